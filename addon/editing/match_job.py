@@ -5,7 +5,7 @@ polled."""
 import logging
 import warnings
 
-from ..base import native, preferences
+from ..base import messages, native, preferences
 from ..base.worker import OfMaterial, Place, Worker
 from . import stack_io
 
@@ -46,6 +46,6 @@ def start(material, path):
 def show(material, found):
     """Give the material the stack of a lamina.Nearest. Returns its error and remarks in sentences."""
     stack_io.assign_stack(material, found.stack)
-    error = f"{found.kind.capitalize()}, mean error {found.error:.1%}, worst {found.worst:.1%}"
-    seen = f"seen {found.worst_angle:.0f} degrees from the normal"
-    return " ".join([f"{error} {seen}.", *found.remarks])
+    mean, worst = messages.percent(found.error), messages.percent(found.worst)
+    error = f"{found.kind.capitalize()}, mean error {mean}, worst {worst} at {found.worst_angle:.0f} degrees."
+    return " ".join([error, *found.remarks])

@@ -25,6 +25,13 @@ def refused(operator, error):
     return {"CANCELLED"}
 
 
+def listed(pattern):
+    """The property of an operator with a file browser for the files that the browser lists."""
+    return bpy.props.StringProperty(
+        description="Files that the browser lists", default=pattern, options={"HIDDEN"}
+    )
+
+
 def show_layers(context):
     """Bake the changed layers of the material and show them: connects the material's node group, whose tables
     the bake replaces. In a window, the bake runs beside the artist's work, and its own operator reports a

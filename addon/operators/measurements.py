@@ -21,9 +21,7 @@ class LAMINA_OT_measured_base(bpy.types.Operator, ImportHelper):
 
     filename_ext = ".binary"
     check_extension = None
-    filter_glob: bpy.props.StringProperty(
-        description="Files that the browser lists", default="*.binary;*.bsdf", options={"HIDDEN"}
-    )
+    filter_glob: common.listed("*.binary;*.bsdf")
 
     @classmethod
     def poll(cls, context):
@@ -52,9 +50,7 @@ class LAMINA_OT_match_measurement(Following, bpy.types.Operator):
     kept = "Cancelled; the earlier layers are kept"
 
     filepath: bpy.props.StringProperty(name="File", description="The measured material", subtype="FILE_PATH")
-    filter_glob: bpy.props.StringProperty(
-        description="Files that the browser lists", default="*.binary;*.bsdf", options={"HIDDEN"}
-    )
+    filter_glob: common.listed("*.binary;*.bsdf")
 
     @classmethod
     def poll(cls, context):

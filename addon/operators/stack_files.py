@@ -16,9 +16,7 @@ class LAMINA_OT_stack_import(bpy.types.Operator, ImportHelper):
     bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = ".json"
-    filter_glob: bpy.props.StringProperty(
-        description="Files that the browser lists", default="*.json", options={"HIDDEN"}
-    )
+    filter_glob: common.listed("*.json")
 
     @classmethod
     def poll(cls, context):
@@ -39,9 +37,7 @@ class LAMINA_OT_stack_export(bpy.types.Operator, ExportHelper):
     bl_options = {"REGISTER"}
 
     filename_ext = ".json"
-    filter_glob: bpy.props.StringProperty(
-        description="Files that the browser lists", default="*.json", options={"HIDDEN"}
-    )
+    filter_glob: common.listed("*.json")
 
     @classmethod
     def poll(cls, context):

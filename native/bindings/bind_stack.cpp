@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -127,18 +128,19 @@ void bind_bases(py::module_& module) {
           "mirror.")
       .def_static(
           "measured",
-          [](double low, double high, const std::string& steps) {
-            std::vector<std::uint16_t> values(steps.size() / 2);
+          [](double low, double high, const py::bytes& steps) {
+            const std::string_view bytes(steps);
+            std::vector<std::uint16_t> values(bytes.size() / 2);
             for (std::size_t k = 0; k < values.size(); ++k) {
-              values[k] = static_cast<std::uint16_t>(static_cast<unsigned char>(steps[2 * k]) |
-                                                     static_cast<unsigned char>(steps[2 * k + 1]) << 8U);
+              values[k] = static_cast<std::uint16_t>(static_cast<unsigned char>(bytes[2 * k]) |
+                                                     static_cast<unsigned char>(bytes[2 * k + 1]) << 8U);
             }
             auto measured = std::make_shared<const MeasuredReflection>(low, high, values);
             const Facets facets{.alpha = measured->alpha()};
             return Base{.kind = Base::Kind::kMeasured, .facets = facets, .measured = std::move(measured)};
           },
           py::arg("low"), py::arg("high"), py::arg("steps"),
-          "A measured material, see MeasuredReflection; `steps`: bytes of 16-bit integers, little-endian.")
+          "A measured material, see MeasuredReflection; `steps`: 16-bit integers, little-endian.")
       .def_property_readonly("alpha", [](const Base& base) { return base.facets.alpha; }, "The width of the facets.");
 }
 

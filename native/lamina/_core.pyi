@@ -74,9 +74,9 @@ class Base:
     def lambert(arg0: typing.SupportsFloat | typing.SupportsIndex) -> Base:
         ...
     @staticmethod
-    def measured(low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, steps: str) -> Base:
+    def measured(low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, steps: bytes) -> Base:
         """
-        A measured material, see MeasuredReflection; `steps`: bytes of 16-bit integers, little-endian.
+        A measured material, see MeasuredReflection; `steps`: 16-bit integers, little-endian.
         """
     @staticmethod
     def none() -> Base:

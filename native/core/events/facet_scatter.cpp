@@ -140,7 +140,7 @@ double FacetScatter::facet_value(const Ray& view, const Ray& out, bool from_belo
   const double here = ior_of(from_below);
   const double there = ior_of(!from_below);
   if (out.z > 0.0) {
-    const double turn = facets_.retro ? -1.0 : 1.0;
+    const double turn = facets_.turn();
     const Ray half = normalised({view.x + turn * out.x, view.y + turn * out.y, view.z + out.z});
     const double fresnel = optics(from_below).reflectance(std::min(1.0, view.dot(half)));
     return density_of(half) * fresnel * facets_.masked(lambda_of(view), lambda_of(out)) /
@@ -168,7 +168,7 @@ FacetScatter::ByFacet FacetScatter::reflected(const Ray& view, const Ray& normal
     return {view, 0.0};
   }
   const double shown = 1.0 / (1.0 + hidden);
-  const double turn = facets_.retro ? -1.0 : 1.0;
+  const double turn = facets_.turn();
   const Ray out{turn * (2.0 * seen * normal.x - view.x), turn * (2.0 * seen * normal.y - view.y),
                 2.0 * seen * normal.z - view.z};
   return {out, out.z > 0.0 ? facets_.masked(hidden, lambda_of(out)) / shown : 0.0};

@@ -16,9 +16,8 @@ constexpr double kLeastLogAlpha = -4.6;  // alpha .01
 constexpr double kMostSqueeze = 3.0;
 constexpr double kMostAway = 0.5;  // of -k, as a share of the view cosine
 constexpr double kMostTilt = 0.6;  // radians
-constexpr double kMostK = 3.5;     // above those of most_k
-// The unknown of a lobe near the viewer is kRetro + ln k. Its k exceeds that of all others, and its normal points
-// almost along the view.
+constexpr double kMostK = 3.5;     // larger than all results of most_k: lobes with a larger k lie about the viewer
+// The unknown of a lobe about the viewer is kRetro + ln k. Its normal points almost along the view.
 constexpr double kRetro = 100.0;
 constexpr double kLeastRetro = kRetro + 1.3;  // k 3.7
 constexpr double kMostRetro = kRetro + 6.9;   // k 992

@@ -38,7 +38,7 @@ class LobeFamily {
 };
 
 /// Lobes of isotropic stacks, which are symmetric about the plane of incidence: LobeShape. Unknowns: ln alpha; half
-/// the logarithm of alpha_x / alpha_y; k, of a lobe near the viewer its logarithm above a number.
+/// the logarithm of alpha_x / alpha_y; k, or 100 + ln k for a lobe near the viewer.
 const LobeFamily& moving_family();
 
 /// Lobes of any tangent: OrientedShape. Unknowns: ln alpha; s cos 2t, s sin 2t with s half the logarithm of the ratio

@@ -28,8 +28,8 @@ struct MovingFitOptions {
   int lobes = 2;
   double stiffness = 0.02;  ///< of the penalty on the distance to the neighbours' shapes
   int iterations = 8;       ///< at most, of one view
+  bool retro = false;       ///< lobes about the viewer are tried too
   /// Most change of an unknown from row to row, so that all views of a row stay near the same minimum.
-  bool retro = false;  ///< lobes about the viewer are tried too
   double most_change = 0.12;
   double following = 4.0;  ///< the penalty between views of a row that follows another, relative to the first row's
   const LobeFamily* family = &moving_family();

@@ -86,7 +86,7 @@ ArrayXd reflection(const Facets& facets, double mu_o, const Mu& mu_i, const Mu& 
                    const Fresnel& fresnel) {
   // Both directions point away from the surface: forward light comes from the azimuth opposite to the viewer.
   const Mu sine_i = sine(mu_i);
-  const ArrayXd between = mu_o * mu_i - (facets.retro ? -1.0 : 1.0) * sine(mu_o) * sine_i * cosines;
+  const ArrayXd between = mu_o * mu_i - facets.turn() * sine(mu_o) * sine_i * cosines;
   // Cosines of the half vector with either direction and with the normal.
   const ArrayXd ray = (0.5 * (1.0 + between)).max(1e-12).sqrt();
   const ArrayXd normal = ((mu_o + mu_i) / (2.0 * ray)).min(1.0);

@@ -26,6 +26,8 @@ struct Facets {
   /// stay, and the azimuth orders of the reflection have alternating signs. Opaque isotropic facets only.
   bool retro = false;
 
+  /// The factor of the horizontal part of reflected light: -1 for half a turn.
+  double turn() const { return retro ? -1.0 : 1.0; }
   bool is_oriented() const { return alpha_v > 0.0 && alpha_v != alpha; }
   /// The width across the tangent.
   double across() const { return alpha_v > 0.0 ? alpha_v : alpha; }

@@ -145,8 +145,8 @@ void FacetRays::circle(const Incident& in, double angle, double weight, Rays& re
   const auto& [upright, flat] = tilt;
   const double mean = mu * upright;  // cosine between ray and facet: mean + swing cos(azimuth)
   const double swing = in.across * flat;
-  // The density of rays is that of half vectors over 4 cos(ray, facet): a measured value has this factor, and 2 is for
-  // the other side of the plane of incidence.
+  // A measured base has values by ray, and half vectors are sampled: the solid angle of rays is 4 cos(ray, facet) times
+  // that of half vectors. 2 is for the other side of the plane of incidence.
   const double density = (measured_ ? 8.0 : 2.0 * facets_.density(upright) / mu) * flat * weight;
   constexpr double kPerCircle = 5.0;
   constexpr double kPerWave = 1.0;
@@ -239,7 +239,7 @@ void FacetRays::facet(const Incident& in, const Tilt& tilt, double azimuth, doub
     back = reflectance_between(cosine, refracted, ratio_);
   }
   if (up > 0.0) {
-    const double turn = facets_.retro ? -1.0 : 1.0;
+    const double turn = facets_.turn();
     reflected.add(weight * cosine * back * facets_.masked(facets_.lambda(up), lambda), up,
                   turn * (2.0 * cosine * x - across), turn * 2.0 * cosine * y);
   }

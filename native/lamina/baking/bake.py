@@ -56,12 +56,12 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     error of interpolation between rows, measured at quality "final" when every row is solved, see tau_error.tau_error;
     `base_error` of a stack on a ShaderBase, see bases.shader.Shader.
     All errors of a base with inputs hold for the base's own values, and are relative to the light over this base.
-    `input_error` states the errors over the ranges of the inputs: for colors 0, .5 and .95 (one in each channel),
-    metallic 0, .5 and 1, and roughness .15 and .25, at quality "final" also .45 and .85; of a varying layer, for three
-    thicknesses. `values`: a list with the values of the inputs, and for these `mean` and `worst`, errors of slices, and
-    `albedo`, the largest relative error of the directional albedo; `mean` over all values; `worst` and `albedo`: the
-    largest errors and where they are. `input_error` is left out if `row_stride` is above 1 or `closures`
-    are given, that is in bakes while a slider moves.
+    `input_error` states the errors over the ranges of the inputs: for colors 0, .5 and .95 (one in each channel, below
+    pigments gray), metallic 0, .5 and 1, and roughness .15 and .25, at quality "final" also .45 and .85; of a varying
+    layer, for three thicknesses. `values`: a list with the values of the inputs, and for these `mean` and `worst`,
+    errors of slices, and `albedo`, the largest relative error of the directional albedo; `mean` over all values;
+    `worst` and `albedo`: the largest errors and where they are. `input_error` is left out if `row_stride` is above 1 or
+    `closures` are given, that is in bakes while a slider moves.
     The table of a stack with a varying interface also holds that of the stack without the film, `uncovered`, with a
     report of its own; all other entries of the report, and `closures`, are those with the film.
     Raises SolveError, StackError (channels) and ArgumentError, a ValueError: `row_stride` lies in [1, 33], `nodes` in

@@ -19,7 +19,7 @@ from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.sharp_facets import is_sharp, peak_alpha
 
-Rough = Interface | Conductor | PrincipledBase | Retroreflector | Flakes  # if not smooth
+Rough = Interface | Conductor | PrincipledBase | Retroreflector | Flakes  # they scatter into a lobe unless alpha is 0
 # Facets narrower than LEAST_ALPHA are solved as mirrors, and only their closure has their width.
 # From this width on, the light grid for smooth slices also resolves a lobe.
 BROAD_ALPHA = 0.45
@@ -33,11 +33,11 @@ WIDER = 8.0
 # Cones tilted by these shares fit it; (size, smooth) are for a lobe of alpha 1.
 LEANS = (0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 AWAY = (-0.2, -0.05, 0.1)
+CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 # Widths of cones about the viewer, relative to those of a retroreflector's lobe along the normal in air. The half width
 # of this lobe in radians, over alpha; and the largest half width of a backward peak that counts as narrow.
 RETRO_WIDTHS = (0.7, 1.0, 1.5, 2.2, 3.3)
 RETRO_HALF, RETRO_REACH = 1.29, 0.4
-CONES = ((0.07, 0.4), (0.17, 0.67), (0.17, 1.0), (0.33, 1.33))
 
 # A phase function with a smaller 4 pi p straight ahead makes a halo that the dictionary's broad closures hold.
 LEAST_FORWARD = 3.0
@@ -169,8 +169,8 @@ def mirror(stack: Stack) -> str:
 
 
 def _in_order(stack: Stack) -> list[tuple]:
-    """(layer or base, index above, index below), top first. Left out are thin films, and interfaces without films
-    between media of one index, and a measured base is a metal with as narrow a lobe."""
+    """(layer or base, index above, index below), top first. Thin films are left out, and interfaces without films
+    between media of one index. In place of a measured base stands a metal with as narrow a lobe."""
     found, above, filmed = [], 1.0, False
     for layer in stack.layers:
         if isinstance(layer, Film):
@@ -181,7 +181,7 @@ def _in_order(stack: Stack) -> list[tuple]:
             found.append((layer, above, below))
         above, filmed = below, False
     base = stack.base
-    if isinstance(base, Measured):  # closures for a metal whose lobe is as wide
+    if isinstance(base, Measured):
         base = Conductor(1.0, 1.0, alpha=max(LEAST_ALPHA, peak_alpha(base)))
     return [*found, (base, above, above)]
 

@@ -74,6 +74,11 @@ def faded(rgb: np.ndarray, share: np.ndarray, axis: int) -> np.ndarray:
     return rgb + share * (luminance(rgb, axis) - rgb)
 
 
+def in_gamut(rgb: np.ndarray, axis: int) -> np.ndarray:
+    """Colours along `axis`, each faded as far as it needs."""
+    return faded(rgb, fading(rgb, axis), axis)
+
+
 def luminance(rgb: np.ndarray, axis: int) -> np.ndarray:
     """The luminance of linear Rec. 709 along `axis`, whose length becomes 1."""
     return np.expand_dims(np.moveaxis(rgb, axis, -1) @ LUMINANCE, axis)

@@ -50,13 +50,10 @@ class Fibers(Hashable):
     varying: bool = False
 
     kind = "fibers"
-    forms = ()
     fields = (AMOUNT, LEAN, COLOUR, TRANSLUCENCY)
     options = (VARYING,)
     rare = ()
     has_phase = False
-    eta = None
-    k = None
     item = Item(kind, "Fibers", "Fuzz: velvet, moss, peach skin, fluff", 4, icon="STRANDS")
 
     @property

@@ -27,7 +27,7 @@ from ..kinds.flakes import Flakes
 from ..kinds.layers import OrientedLayer
 from ..kinds.limits import STACK_SCHEMA as SCHEMA
 from ..kinds.spectra import D65, Spectrum, read_spectrum
-from .by_wavelength import check_illuminant, parts_by_wavelength
+from .by_wavelength import RGB, check_illuminant, parts_by_wavelength
 from .colours import albedos_of_layer, check_colours
 from .coverage import NOTHING, first_film, without_film
 from .layers import Medium
@@ -41,7 +41,6 @@ from .stack_plain import canonical_base, canonical_layer, given, plain
 
 # Measured at preview quality: 64 media, .2 CPU-s to solve and 55 MB; each rough boundary adds about half a second.
 MOST_LAYERS = 64
-RGB = 3
 THICK = Medium | OrientedLayer  # layers with an optical thickness
 
 
@@ -283,8 +282,7 @@ class Stack(Requirements):
         names, keys sorted."""
         layers = [canonical_layer(self, index, self._albedos[index]) for index in range(len(self.layers))]
         spectral = {} if self.wavelengths is None else {"wavelengths": self.wavelengths}
-        data = {"schema": SCHEMA, **spectral, **self._light(), "layers": layers,
-                "base": canonical_base(self)}
+        data = {"schema": SCHEMA, **spectral, **self._light(), "layers": layers, "base": canonical_base(self)}
         return json.dumps(data, sort_keys=True)
 
     def to_json(self) -> dict:
@@ -305,7 +303,7 @@ class Stack(Requirements):
             if layer.varying:
                 entry["varying"] = True
             layers.append(entry)
-        base = None if self.base is None else plain(self._given.get(len(self.layers), self.base))
+        base = None if self.base is None else plain(self.given_base)
         if isinstance(self.base, Measured) and self.base.name:
             base = {"name": self.base.name, **(base or {})}
         texts = {text: getattr(self, text) for text in self.texts if getattr(self, text)}

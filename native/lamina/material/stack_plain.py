@@ -11,12 +11,11 @@ from ..kinds.boundaries import is_oriented
 from ..kinds.fields import all_fields, channel, to_plain
 from ..kinds.flakes import Flakes
 from ..kinds.spectra import Spectrum
+from .by_wavelength import RGB
 from .layers import Medium
 
 if TYPE_CHECKING:
     from .stack import Stack
-
-RGB = 3
 
 
 def given(thing) -> dict:

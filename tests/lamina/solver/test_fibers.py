@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from solver_and_walks import beyond_the_first, compared, exchanged, z_scores
 from z_limit import z_limit
 
 import lamina
@@ -26,33 +27,18 @@ MU = np.array([0.06, 0.3, 0.6, 0.95])
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS)
 def test_against_walks(stack):
-    solved = lamina.solve(stack)
-    off = []
-    for path in ("reflect", "transmit")[:1 + (stack.base is None)]:
-        of = solved.brdf if path == "reflect" else solved.btdf
-        whole = solved.reflectance if path == "reflect" else solved.transmittance
-        for seed, (o, i, dphi) in enumerate(POINTS):
-            walk = lamina.estimate(stack, o, i, dphi, samples=1 << 17, seed=seed, path=path)
-            off.append((of(o, i, dphi) - walk.value) / np.maximum(walk.stderr, 1e-12))
-        for seed, mu in enumerate(MU):
-            walk = lamina.estimate(stack, None, mu, samples=1 << 17, seed=seed, path=path)
-            off.append((whole(mu) - walk.value) / np.maximum(walk.stderr, 1e-12))
+    off = z_scores(*compared(stack, POINTS, MU, stack.base is None))
     assert np.abs(off).max() < z_limit(np.size(off))
 
 
 def test_light_beyond_the_first_scattering():
     """The bar: .2 % rms of the light that several fibers scattered, against walks of that noise."""
     stack, faint = (Stack([Fibers(3.0, 0.3, r, 0.3)], Lambert(0.0)) for r in (0.9, 1e-5))
-    solved, once = lamina.solve(stack), lamina.solve(faint)
-    beyond, off, noise = [], [], []
-    for seed, (o, i, dphi) in enumerate((o, i, p) for o in (0.3, 0.9) for i in (0.4, 0.8) for p in (1.0, 2.5)):
-        walk = lamina.estimate(stack, o, i, dphi, samples=1 << 22, seed=seed)
-        beyond.append(solved.brdf(o, i, dphi)[0] - 0.9e5 * once.brdf(o, i, dphi)[0])
-        off.append(solved.brdf(o, i, dphi)[0] - walk.value[0])
-        noise.append(walk.stderr[0])
-    rms = np.linalg.norm(beyond)
-    assert np.linalg.norm(off) < 0.002 * rms + 1.5 * np.linalg.norm(noise)
-    assert np.linalg.norm(noise) < 0.003 * rms
+    single = lamina.solve(faint)
+    points = [(o, i, p) for o in (0.3, 0.9) for i in (0.4, 0.8) for p in (1.0, 2.5)]
+    beyond, off, noise = beyond_the_first(stack, lambda *point: 0.9e5 * single.brdf(*point)[0], points, 1 << 22)
+    assert off < 0.002 * beyond + 1.5 * noise
+    assert noise < 0.003 * beyond
 
 
 def once(fibers, mu_o, mu_i, dphi):
@@ -100,8 +86,8 @@ def test_energy_of_white_fibers(tilt, tau):
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS)
 def test_reciprocity(stack):
-    values = lamina.solve(stack).grid("reflect", MU, MU, np.array([0.0, 0.5, 2.0, math.pi]))
-    assert np.allclose(values, np.moveaxis(values, 0, 1), rtol=1e-4)
+    values, others = exchanged(stack, MU)
+    assert np.allclose(values, others, rtol=1e-4)
     assert np.all(values > 0.0)
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from solver_and_walks import beyond_the_first, compared, exchanged, z_scores
 from z_limit import z_limit
 
 import lamina
@@ -30,31 +31,14 @@ STACKS = {
 }
 POINTS = [(1.0, 0.9, 0.0), (0.9, 0.5, 0.0), (0.7, 0.7, 0.3), (0.5, 0.3, 1.0), (0.2, 0.6, math.pi), (0.8, 0.2, 2.0)]
 MU = np.array([0.06, 0.3, 0.6, 0.95])
-SAMPLES = 1 << 17
-
-
-def walks_of(stack, samples=SAMPLES):
-    """(solver, walk, standard error) of values and fluxes, all channels."""
-    solved = lamina.solve(stack)
-    sheet = stack.base is None and not isinstance(stack.layers[0], Interface)
-    found = []
-    for path in ("reflect", "transmit")[:1 + sheet]:
-        of = solved.brdf if path == "reflect" else solved.btdf
-        whole = solved.reflectance if path == "reflect" else solved.transmittance
-        for seed, (o, i, dphi) in enumerate(POINTS):
-            walk = lamina.estimate(stack, o, i, dphi, samples=samples, seed=seed, path=path)
-            found.append((of(o, i, dphi), walk.value, walk.stderr))
-        for seed, mu in enumerate(MU):
-            walk = lamina.estimate(stack, None, mu, samples=samples, seed=seed, path=path)
-            found.append((whole(mu), walk.value, walk.stderr))
-    return (np.concatenate([np.ravel(one) for one in column]) for column in zip(*found, strict=True))
 
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS)
 def test_against_walks(stack):
     """Walks share the distribution of normals and the projected area with the solver, and nothing else."""
-    value, walk, error = walks_of(stack)
-    z = (value - walk) / np.maximum(error, 1e-12)
+    is_sheet = stack.base is None and not isinstance(stack.layers[0], Interface)
+    value, walk, error = compared(stack, POINTS, MU, is_sheet)
+    z = z_scores(value, walk, error)
     assert np.abs(z).max() < z_limit(z.size)
     assert np.median(error / walk) < 0.01  # the walks see errors of this size
 
@@ -62,20 +46,13 @@ def test_against_walks(stack):
 def test_light_beyond_the_first_reflection():
     """The bar: .2 % rms of the light that several flakes reflected, against walks of that noise."""
     stack = Stack([Flakes(1.0, 0.3, reflectance=0.9)], Lambert(0.0))
-    solved = lamina.solve(stack)
     points = [(o, i, p) for o in (0.3, 0.7, 1.0) for i in (0.4, 0.9) for p in (1.0, 2.5)]
     # Light of one flake is proportional to the reflectance, so a faint copy of the stack shows it alone.
     faint = 1e-5
     once = lamina.solve(Stack([Flakes(1.0, 0.3, reflectance=faint)], Lambert(0.0)))
-    beyond, off, noise = [], [], []
-    for seed, (o, i, p) in enumerate(points):
-        walk = lamina.estimate(stack, o, i, p, samples=1 << 22, seed=seed)
-        beyond.append(solved.brdf(o, i, p)[0] - 0.9 / faint * once.brdf(o, i, p)[0])
-        off.append(solved.brdf(o, i, p)[0] - walk.value[0])
-        noise.append(walk.stderr[0])
-    rms = np.linalg.norm(beyond)
-    assert np.linalg.norm(off) < 0.002 * rms + 1.5 * np.linalg.norm(noise)
-    assert np.linalg.norm(noise) < 0.003 * rms
+    beyond, off, noise = beyond_the_first(stack, lambda *point: 0.9 / faint * once.brdf(*point)[0], points, 1 << 22)
+    assert off < 0.002 * beyond + 1.5 * noise
+    assert noise < 0.003 * beyond
 
 
 @pytest.mark.parametrize("tau", [0.2, 3.0])
@@ -98,9 +75,8 @@ def test_energy_of_white_flakes(alpha, tau):
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS)
 def test_reciprocity(stack):
-    solved = lamina.solve(stack)
-    values = solved.grid("reflect", MU, MU, np.array([0.0, 0.5, 2.0, math.pi]))
-    assert np.allclose(values, np.moveaxis(values, 0, 1), rtol=1e-4)
+    values, others = exchanged(stack, MU)
+    assert np.allclose(values, others, rtol=1e-4)
     assert np.all(values > 0.0)
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from solver_and_walks import beyond_the_first, compared, exchanged, z_scores
 from z_limit import z_limit
 
 import lamina
@@ -26,32 +27,23 @@ MU = np.array([0.06, 0.3, 0.6, 0.95])
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS)
 def test_against_walks(stack):
-    solved = lamina.solve(stack)
-    off = []
-    for seed, (o, i, dphi) in enumerate(POINTS):
-        walk = lamina.estimate(stack, o, i, dphi, samples=1 << 17, seed=seed)
-        off.append((solved.brdf(o, i, dphi) - walk.value) / walk.stderr)
-    for seed, mu in enumerate(MU):
-        walk = lamina.estimate(stack, None, mu, samples=1 << 17, seed=seed)
-        off.append((solved.reflectance(mu) - walk.value) / walk.stderr)
+    off = z_scores(*compared(stack, POINTS, MU, is_sheet=False))
     assert np.abs(off).max() < z_limit(np.size(off))
 
 
 def test_light_beyond_the_first_reflection():
     """The bar: .2 % rms of the light that the base reflects several times, against walks of that noise."""
     stack, faint = (Stack([COAT, Medium(0.5, 0.1)], Retroreflector(r, 0.2)) for r in (0.9, 1e-6))
-    solved, once = lamina.solve(stack), lamina.solve(faint)
-    dark = lamina.solve(Stack(stack.layers, lamina.Black()))
-    beyond, off, noise = [], [], []
-    for seed, (o, i, dphi) in enumerate([(0.8, 0.7, 0.3), (0.6, 0.6, 0.0), (0.9, 0.5, 2.0), (0.4, 0.6, 1.0)]):
-        walk = lamina.estimate(stack, o, i, dphi, samples=1 << 21, seed=seed)
-        found, without = solved.brdf(o, i, dphi)[0], dark.brdf(o, i, dphi)[0]
-        beyond.append(found - without - 0.9e6 * (once.brdf(o, i, dphi)[0] - without))
-        off.append(found - walk.value[0])
-        noise.append(walk.stderr[0])
-    rms = np.linalg.norm(beyond)
-    assert np.linalg.norm(off) < 0.002 * rms + 1.5 * np.linalg.norm(noise)
-    assert np.linalg.norm(noise) < 0.003 * rms
+    single, dark = lamina.solve(faint), lamina.solve(Stack(stack.layers, lamina.Black()))
+
+    def once(*point):
+        without = dark.brdf(*point)[0]
+        return without + 0.9e6 * (single.brdf(*point)[0] - without)
+
+    points = [(0.8, 0.7, 0.3), (0.6, 0.6, 0.0), (0.9, 0.5, 2.0), (0.4, 0.6, 1.0)]
+    beyond, off, noise = beyond_the_first(stack, once, points, 1 << 21)
+    assert off < 0.002 * beyond + 1.5 * noise
+    assert noise < 0.003 * beyond
 
 
 @pytest.mark.parametrize("alpha", [0.03, 0.1, 0.5, 1.0])
@@ -67,8 +59,8 @@ def test_the_lobe_of_facets_seen_from_the_other_side(alpha):
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS)
 def test_reciprocity(stack):
-    values = lamina.solve(stack).grid("reflect", MU, MU, np.array([0.0, 0.5, 2.0, math.pi]))
-    assert np.allclose(values, np.moveaxis(values, 0, 1), rtol=1e-4)
+    values, others = exchanged(stack, MU)
+    assert np.allclose(values, others, rtol=1e-4)
     assert np.all(values > 0.0)
 
 

@@ -37,11 +37,12 @@ from ..fit.slices import Slices, SolvedRows, inputs_of, joined, seen_whole, slic
 from .base import WithInputs
 from .job import Basis, Job
 
-LEAST_PASSED = 1e-30  # share of the light, in place of none
 # Widths of closures for lobes that the layers broaden, beside those of the dictionary.
 BROADENED = tuple(f"ggx:{alpha:g}" for alpha in (0.15, 0.22, 0.32, 0.45))
 # A rest below this share of the albedo is rounding, as in the row without layers.
 NEGLIGIBLE = 1e-5
+# In place of 0 as the share of the light that the layers pass, for its logarithm.
+LEAST_PASSED = 1e-30
 # Colors over which errors are weighed in the choice of closures for a color input. Black is not among them: over a
 # black metal there is so little light that its errors alone would decide.
 COLORS = (0.05, 0.5, 0.95)

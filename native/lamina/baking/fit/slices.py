@@ -15,7 +15,7 @@ from ...closures import narrow_lobes
 from ...closures.axes import tau_at, tau_rows
 from ...closures.closure_table import LightGrid, grid_for, oriented_grid, view_cosines
 from ...common.errors import StackError
-from ...common.observer import faded, fading
+from ...common.observer import faded, fading, in_gamut
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
 from ...kinds.fields import channel_count
@@ -258,7 +258,7 @@ def seen_whole(function: ScatteringFunction, mu_o) -> np.ndarray:
     if function.stack.wavelengths is None:
         return function.reflectance(mu_o)
     scattered, mirrored = map(function.stack.seen, function.reflectance(mu_o, parts=True))
-    return faded(scattered, fading(scattered, -1), -1) + faded(mirrored, fading(mirrored, -1), -1)
+    return in_gamut(scattered, -1) + in_gamut(mirrored, -1)
 
 
 def _in_colours(values, lobes, albedo, direct, stack: Stack):
@@ -267,11 +267,11 @@ def _in_colours(values, lobes, albedo, direct, stack: Stack):
     if stack.wavelengths is None:
         return values, lobes, albedo, direct
     values, albedo, direct = (stack.seen(part, 2) for part in (values, albedo, direct))
-    scattered, mirrored = fading(albedo, 2), fading(direct, 2)
-    values = faded(values, scattered[..., None], 2)
+    share = fading(albedo, 2)
+    values = faded(values, share[..., None], 2)
     if lobes is not None:
-        lobes = faded(stack.seen(lobes, 2), scattered[..., None], 2)
-    return values, lobes, faded(albedo, scattered, 2), faded(direct, mirrored, 2)
+        lobes = faded(stack.seen(lobes, 2), share[..., None], 2)
+    return values, lobes, faded(albedo, share, 2), in_gamut(direct, 2)
 
 
 def _evaluate_azimuths(function: ScatteringFunction, azimuths: AzimuthRows, mu_o: np.ndarray, grid: LightGrid,
