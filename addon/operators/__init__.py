@@ -56,6 +56,7 @@ CLASSES = (
     place.LAMINA_OT_dust_detail,
     place.LAMINA_OT_displace,
     place.LAMINA_OT_dust_wipe,
+    place.LAMINA_OT_stamp,
     place.LAMINA_OT_film_paint,
     depth.LAMINA_OT_depth,
     cancel.LAMINA_OT_cancel,

@@ -8,7 +8,7 @@ from ..editing import layer_list
 from ..nodes import detail_wiring, displacement, rest_coordinates, thickness
 from ..nodes.group_sockets import COVERAGE
 from ..scene import place
-from ..settling import dust_job, wiping
+from ..settling import dust_job, stamps, wiping
 from . import common
 from .dust import Dusting
 
@@ -147,6 +147,35 @@ class LAMINA_OT_dust_wipe(bpy.types.Operator):
         if self.paint:
             wiping.start_painting(context, context.object, kept, image)
             self.report({"INFO"}, "White wipes off, black brings back (X swaps the brush's colors)")
+        return {"FINISHED"}
+
+
+class LAMINA_OT_stamp(bpy.types.Operator):
+    bl_idname = "lamina.stamp"
+    bl_label = "Stamp"
+    bl_options = {"REGISTER", "UNDO"}
+
+    stamp: bpy.props.EnumProperty(
+        name="Stamp", description="What a stroke leaves", options={"SKIP_SAVE"},
+        items=[(key, stamp.name, stamp.description) for key, stamp in stamps.STAMPS.items()],
+    )  # fmt: skip
+
+    @classmethod
+    def description(cls, _context, properties):
+        return stamps.STAMPS[properties.stamp].description
+
+    @classmethod
+    def poll(cls, context):
+        if not stamps.is_painting(context):
+            cls.poll_message_set("Stamps need paint mode")
+            return False
+        return True
+
+    def execute(self, context):
+        try:
+            stamps.choose(context, self.stamp)
+        except RefusedError as error:
+            return common.refused(self, error)
         return {"FINISHED"}
 
 

@@ -8,7 +8,7 @@ from ..nodes import detail_wiring, displacement, dust_detail, film_wiring, thick
 from ..nodes.film_pattern import PATTERNS
 from ..nodes.side_graph import FRONT
 from ..scene import place
-from ..settling import dust_job
+from ..settling import dust_job, stamps
 from . import settled_fields
 from .fields import split
 from .material_panel import MaterialPanel
@@ -46,6 +46,8 @@ class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
                 _draw_pattern(layout, material)
             elif thickness.has_input(material):
                 _draw_detail(layout, material)
+            if stamps.is_painting(context):
+                _draw_stamps(context, layout)
 
 
 def _draw_source(context, layout, material, name, now):
@@ -97,6 +99,12 @@ def _draw_detail(layout, material):
         row.prop(raised.inputs["Scale"], "default_value", text="Height of Thickness 1")
         body.operator("lamina.displace", text="Remove Displacement", icon="X").remove = True
     body.operator("lamina.dust_detail", text="Remove Grain and Clouds", icon="X").remove = True
+
+
+def _draw_stamps(context, layout):
+    row, now = layout.row(align=True), stamps.chosen(context)
+    for key, stamp in stamps.STAMPS.items():
+        row.operator("lamina.stamp", text=stamp.name, depress=now == key).stamp = key
 
 
 def _draw_pattern(layout, material):

@@ -79,7 +79,7 @@ def test_the_panels_of_dust_and_of_its_detail(dust, addon, material):
     plate = grid(material=material)
     context = SimpleNamespace(
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
-        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=plate, material=material,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, mode="OBJECT", object=plate, material=material,
         scene=bpy.context.scene,
     )  # fmt: skip
 

@@ -195,7 +195,7 @@ def test_the_job_of_a_window(addon, place, plate, material):
 def test_what_the_panel_offers(addon, place, plate, material, call):
     context = SimpleNamespace(
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)), region=SimpleNamespace(width=600),
-        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=plate, material=material,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, mode="OBJECT", object=plate, material=material,
         scene=bpy.context.scene,
     )  # fmt: skip
 

@@ -46,7 +46,8 @@ def main_view(addon, material, obj):
     context = SimpleNamespace(
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), themes=themes),
         region=SimpleNamespace(width=600),
-        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=obj, material=material, engine="CYCLES",
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get, object=obj,
+        mode="OBJECT", material=material, engine="CYCLES",
         scene=bpy.context.scene, view_layer=bpy.context.view_layer, window_manager=bpy.context.window_manager,
     )  # fmt: skip
     panel, ui = addon.ui.panel, addon.ui
