@@ -25,7 +25,7 @@ _serial = 0
 
 
 def draw_ball(layout, context, material):
-    """Draw the ball under a white sky; returns False, with nothing drawn, if there is none."""
+    """Draw the ball in a studio; returns False, with nothing drawn, if there is none."""
     zoom = context.preferences.system.ui_scale
     found = _drawn(material, _ink(context), round(BALL * UNIT * zoom), "ball")
     if found is not None:

@@ -120,21 +120,15 @@ def test_pixels_of_a_sheet(sheet):
     ray = pixels[int(100 - 60 * np.cos(np.radians(40.0))), int(100 + 60 * np.sin(np.radians(40.0)))]
     assert ray[:3] == pytest.approx(result_picture.EXACT, abs=0.05) and ray[3] > 0.9
     assert pixels[40, 100, 3] == 0.0, "no color below a sheet"
-    ball = result_picture.ball_picture(sheet, size)
-    assert ball[100, 90, :3] == pytest.approx([0.0] * 3, abs=2e-3), "reflected on the left"
-    assert ball[100, 110, :3] == pytest.approx(result_picture.srgb([0.5] * 3), abs=5e-3), "transmitted on the right"
 
 
-def test_pixels_of_the_albedo_and_the_ball(matte):
+def test_pixels_of_the_albedo(matte):
     size = 200
     pixels = result_picture.albedo_picture(matte, size, ink=(1.0, 1.0, 1.0))
     low, high = result_picture.MARGIN * size, (1.0 - result_picture.MARGIN) * size
     for value, color in zip((0.8, 0.4, 0.2), result_picture.CHANNELS, strict=True):
         assert pixels[int(low + (high - low) * value), 120] == pytest.approx([*color, 1.0], abs=0.02)
     assert pixels[int(low + (high - low) * 0.62), 120, 3] == 0.0
-    ball = result_picture.ball_picture(matte, size)
-    assert ball[100, 100] == pytest.approx([*result_picture.srgb([0.8, 0.4, 0.2]), 1.0], abs=5e-3)
-    assert ball[5, 5, 3] == 0.0
 
 
 def test_grey_has_one_line_in_the_ink():

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small pictures of a bake's result, drawn from result_curves with numpy alone: polar lobes of a view, the albedo over
-the view angle, and a ball under a white sky.
+the view angle, and a ball in a studio.
 
 Pictures are float32, (size, size, 4), bottom row first, for a display without color management: colors in sRGB, not
 multiplied by alpha. The background is transparent. `ink` is the color of lines, such as that of the text around the
@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common.srgb import srgb
+from . import lit_ball
 
 MARGIN = 0.04  # of a picture's size, on each side
 LINE, THIN = 0.014, 0.008  # widths of lines, as shares of a picture's size; at least a pixel
@@ -89,18 +90,13 @@ def albedo_picture(curves: dict, size: int = 160, ink: Sequence[float] = (0.9, 0
 
 
 def ball_picture(curves: dict, size: int = 160, ink: Sequence[float] = (0.9, 0.9, 0.9)) -> np.ndarray:
-    """A ball of the material under a white sky: each point has the reflectance of its view angle. The right half of a
-    sheet's ball has the transmittance."""
+    """A ball of the material in the studio of lit_ball."""
     canvas = _Canvas(size)
     radius, middle = (0.5 - MARGIN) * size, 0.5 * size
-    distance = np.hypot(canvas.x - middle, canvas.y - middle)
-    angle = np.degrees(np.arcsin(np.clip(distance / radius, 0.0, 1.0)))
-    inside = _edge(radius - distance)
-    color = _at_angle(curves["reflectance"], curves["angles"], angle)
-    if curves["transmittance"] is not None:
-        right = canvas.x > middle
-        color[right] = _at_angle(curves["transmittance"], curves["angles"], angle[right])
-    canvas.paint(srgb(color), inside)
+    azimuth, distance = canvas.polar(middle, middle)
+    angle = np.arcsin(np.clip(distance / radius, 0.0, 1.0))
+    colors = lit_ball.colors_at(curves["ball"], curves["ball_mirrored"], angle, azimuth)
+    canvas.paint(srgb(np.clip(colors, 0.0, 1.0)), _edge(radius - distance))
     canvas.paint(ink, 0.5 * _edge(0.5 * THIN * size - np.abs(distance - radius)))
     return canvas.pixels()
 
