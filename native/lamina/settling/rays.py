@@ -105,7 +105,7 @@ class Rays:
         self._scene = layer.Scene(meshes, threads, lambda fraction: step(fraction, "sorting the faces"))
         settings, seed = place.settings, place.seed
         self._place, self._core = place, place.fall.core(layer)
-        self._around = max(16, settings.rays // 4)  # rays of an exposure
+        self._around = max(16, settings.rays // 2)  # rays of an exposure
         self._options = layer.Options(settings.rays, seed, settings.two_sided, OFFSET)
         self._sheltered = layer.Options(self._around, seed ^ _SHELTER_STREAM, False, OFFSET)
         self._edges = layer.Options(self._around, seed ^ _EDGE_STREAM, settings.two_sided, OFFSET)
