@@ -47,7 +47,7 @@ def swept(curve, sides=16, relief=None):
     return np.concatenate([points, ends]), quads, triangles
 
 
-def spike(base, towards, bend, length, radius, flat=1.0, sides=12, rings=14, relief=None, blunt=0.04, fullness=0.85):
+def spike(base, towards, bend, length, radius, flat=1.0, *, sides=12, rings=14, relief=None, blunt=0.04, fullness=0.85):
     """A pointed, bent cone: from `base` along `towards`, with its point displaced by the vector `bend` (mm).
 
     radius: half width at the foot, across the bend; flat: the half axis along the bend over `radius`; fullness: < 1

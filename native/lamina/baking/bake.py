@@ -24,7 +24,7 @@ from .table.lut import Lut
 
 def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = None,
          cancel: Callable[[], bool] | None = None, threads: int = 0, closures: Sequence[str] | None = None,
-         row_stride: int = 1, nodes: int | None = None, basis: str = "standard") -> Lut:
+         row_stride: int = 1, nodes: int | None = None, *, basis: str = "standard") -> Lut:
     """Bakes a stack into a lookup table for Cycles. The same arguments give the same bytes for any number of `threads`
     (0: all hardware threads).
 

@@ -57,7 +57,7 @@ def _estimated(arguments: argparse.Namespace, progress) -> Estimate | dict:
     where = (arguments.mu_o, arguments.mu_i, arguments.dphi)
     if arguments.shard is None:
         return estimate(stack, *where, arguments.method, arguments.samples, arguments.target_error, arguments.seed,
-                        progress, threads=arguments.threads, side=arguments.side, path=arguments.path)
+                        progress=progress, threads=arguments.threads, side=arguments.side, path=arguments.path)
     samples = SAMPLES if arguments.samples is None else arguments.samples
     return run_shard(stack, Query(*where, arguments.side, arguments.path), arguments.method, samples, arguments.seed,
                      arguments.shard, progress, threads=arguments.threads)

@@ -50,7 +50,7 @@ def _estimated(arguments: argparse.Namespace, progress) -> SearchlightEstimate |
         return run_searchlight_shard(stack, query, samples, arguments.seed, arguments.shard, progress,
                                      threads=arguments.threads)
     return estimate_searchlight(stack, query.mu_i, samples, arguments.seed, arguments.threads, query.walk, query.r,
-                                query.q, progress)
+                                query.q, progress=progress)
 
 
 def show(found: SearchlightEstimate, as_json: bool) -> None:

@@ -30,7 +30,7 @@ from .workers import shards, spread
 
 
 def estimate(client, stack: AnyStack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
-             samples: int | None = None, seed: int = 0, progress: Progress | None = None,
+             samples: int | None = None, seed: int = 0, *, progress: Progress | None = None,
              cancel: Callable[[], bool] | None = None, side: str = "top", path: str = "reflect",
              parts: int | None = None) -> Estimate:
     """lamina.estimate on the cluster of `client`, or on an executor of concurrent.futures, with the same bytes;
@@ -42,7 +42,7 @@ def estimate(client, stack: AnyStack, mu_o: float | None, mu_i: float, dphi: flo
 
 
 def estimate_searchlight(client, stack: AnyStack, mu_i: float = 1.0, samples: int | None = None, seed: int = 0,
-                         walk: str = "transfer", r=(), q=(), progress: Progress | None = None,
+                         walk: str = "transfer", r=(), q=(), *, progress: Progress | None = None,
                          cancel: Callable[[], bool] | None = None, parts: int | None = None) -> SearchlightEstimate:
     """lamina.estimate_searchlight on the cluster of `client`, like `estimate`."""
     samples = SAMPLES if samples is None else samples
@@ -52,7 +52,7 @@ def estimate_searchlight(client, stack: AnyStack, mu_i: float = 1.0, samples: in
 
 
 def walk_in_mesh(client, solid, interior, points=None, normals=None, directions=None, surface: Surface | None = None,
-                 samples: int = 256, seed: int = 0, progress: Progress | None = None,
+                 samples: int = 256, *, seed: int = 0, progress: Progress | None = None,
                  cancel: Callable[[], bool] | None = None, parts: int | None = None) -> ExitEstimate:
     """lamina.walk_in_mesh on the cluster of `client`, like `estimate`."""
     problem = Problem(solid, interior, surface, None, WalkPoints.of(points, normals, directions))
@@ -61,9 +61,10 @@ def walk_in_mesh(client, solid, interior, points=None, normals=None, directions=
 
 
 def light_in_mesh(client, solid, interior, lamps: Sequence[AnyLamp] = (), points=None, normals=None, directions=None,
-                  surface: Surface | None = None, samples: int = 256, seed: int = 0, progress: Progress | None = None,
-                  cancel: Callable[[], bool] | None = None, surroundings: Surroundings | None = None,
-                  parts: int | None = None, occluders: Occluders | None = None) -> LightEstimate:
+                  surface: Surface | None = None, *, samples: int = 256, seed: int = 0,
+                  progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
+                  surroundings: Surroundings | None = None, parts: int | None = None,
+                  occluders: Occluders | None = None) -> LightEstimate:
     """lamina.light_in_mesh on the cluster of `client`, like `estimate`."""
     lights = Lights(lamps, surroundings, occluders)
     problem = Problem(solid, interior, surface, lights, WalkPoints.of(points, normals, directions))

@@ -74,7 +74,7 @@ class WalkPart:
 
 
 def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, surface: Surface | None = None,
-                 samples: int = 256, seed: int = 0, threads: int = 0, progress: Progress | None = None,
+                 samples: int = 256, seed: int = 0, *, threads: int = 0, progress: Progress | None = None,
                  cancel: Callable[[], bool] | None = None) -> ExitEstimate:
     """Exit albedo and exit distance of light that enters a closed mesh at points of its surface. By reciprocity the
     exit albedo is also the light that leaves at these points when the entire surface is uniformly lit.
@@ -96,7 +96,7 @@ def walk_in_mesh(solid, interior, points=None, normals=None, directions=None, su
 
 
 def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, normals=None, directions=None,
-                  surface: Surface | None = None, samples: int = 256, seed: int = 0, threads: int = 0,
+                  surface: Surface | None = None, samples: int = 256, *, seed: int = 0, threads: int = 0,
                   progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                   surroundings: Surroundings | None = None, occluders: Occluders | None = None) -> LightEstimate:
     """The radiance that leaves a closed mesh at points of its surface after transport inside, under lamps and the
@@ -115,7 +115,7 @@ def light_in_mesh(solid, interior, lamps: Sequence[AnyLamp] = (), points=None, n
 
 
 def walk_part(solid, interior, shard: tuple[int, int], lamps: Sequence[AnyLamp] | None = None, points=None,
-              normals=None, directions=None, surface: Surface | None = None, samples: int = 256, seed: int = 0,
+              normals=None, directions=None, surface: Surface | None = None, *, samples: int = 256, seed: int = 0,
               threads: int = 0, progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
               surroundings: Surroundings | None = None, occluders: Occluders | None = None) -> WalkPart:
     """Part i of n of a run; `shard` = (i, n), i from 1. Without `lamps` this is a part of walk_in_mesh, with `lamps` (a

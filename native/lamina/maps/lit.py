@@ -57,7 +57,7 @@ class LitImages:
 
 
 def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), uvs=None, size=None,
-               surface: Surface | None = None, view=None, eye=None, noise: float = 0.02, samples: int | None = None,
+               surface: Surface | None = None, view=None, eye=None, *, noise: float = 0.02, samples: int | None = None,
                seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None, threads: int = 0,
                progress: Progress | None = None, cancel: Callable[[], bool] | None = None,
                surroundings: Surroundings | None = None,

@@ -66,7 +66,7 @@ class RelightableImages:
 
 def relightable_images(solid: Solid, interior: Interior, uvs=None, size=None, surface: Surface | None = None,
                        version: tuple[int, int] = (4, 5), noise: float = 0.02, samples: int | None = None,
-                       seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None,
+                       *, seed: int = 0, margin: int = 4, normals=None, folder: str | os.PathLike | None = None,
                        threads: int = 0, progress: Progress | None = None,
                        cancel: Callable[[], bool] | None = None,
                        preview: Callable[[RelightableImages], None] | None = None,

@@ -84,7 +84,7 @@ def settle(surface: Mesh, points: Points | tuple | None = None, occluders: Itera
 
 def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int], occluders: Iterable[Mesh] = (),
                  settings: Settling | None = None, seed: int = 0, progress: Progress | None = None,
-                 cancel: Callable[[], bool] | None = None, threads: int = 0, margin: int = 4) -> Dust:
+                 cancel: Callable[[], bool] | None = None, *, threads: int = 0, margin: int = 4) -> Dust:
     """Dust on a surface as an image over a UV map: `texel_points`, `settle` and `dilate` in one, a band of rows at a
     time, so a large image needs little extra memory. tau, arrived and back are (height, width), rows from the bottom.
     tau and back are extended over `margin` texels around the islands, arrived is not.

@@ -101,7 +101,7 @@ METHODS = {"scattering": _scattering, "transfer": _transfer, "adding": _adding}
 
 
 def estimate(stack: AnyStack, mu_o: float | None, mu_i: float, dphi: float = 0.0, method: str = "transfer",
-             samples: int | None = None, target_error: float | None = None, seed: int = 0,
+             samples: int | None = None, target_error: float | None = None, seed: int = 0, *,
              progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0,
              side: str = "top", path: str = "reflect", phi_o: float = 0.0) -> Estimate:
     """BRDF (`path` "reflect") or BTDF ("transmit") in 1/sr of a stack for one pair of directions, as defined by

@@ -94,7 +94,7 @@ class SearchlightEstimate(ByContent):
 
 
 def estimate_searchlight(stack: AnyStack, mu_i: float = 1.0, samples: int | None = None, seed: int = 0,
-                         threads: int = 0, walk: str = "transfer", r=(), q=(), progress: Progress | None = None,
+                         threads: int = 0, walk: str = "transfer", r=(), q=(), *, progress: Progress | None = None,
                          cancel: Callable[[], bool] | None = None) -> SearchlightEstimate:
     """The response of a stack to a pencil beam that enters from above at one point, at the cosine `mu_i` in air: how
     much light leaves above and below, and at which distance from that point, in millimetres.

@@ -24,7 +24,7 @@ from .shard_parts import SCHEMA, PartKind, check_part, is_finite, prepared
 
 
 def run_shard(stack: AnyStack, query: Query, method: str, samples: int, seed: int, shard: tuple[int, int],
-              progress: Progress | None = None, cancel: Callable[[], bool] | None = None, threads: int = 0) -> dict:
+              progress: Progress | None = None, cancel: Callable[[], bool] | None = None, *, threads: int = 0) -> dict:
     """Part i of n, `shard` = (i, n) with i from 1, of an estimate with `samples` samples, as a plain object for
     json.dump. It holds no times: the same part has the same bytes on any machine. Raises as estimate does."""
     check_kind(query, "query", Query, "a lamina.Query")

@@ -75,7 +75,7 @@ class Lut(ByContent):
         return None if weights is None else Lut(self.header["uncovered"], weights)
 
     def evaluate(self, mu_o, mu_i, dphi, path: str = "reflect", side: str = "top", tau=None, color=None,
-                 metallic: float | None = None, roughness: float | None = None, coverage=None,
+                 metallic: float | None = None, *, roughness: float | None = None, coverage=None,
                  phi_o=0.0) -> np.ndarray:
         """The fitted function in 1/sr, as Cycles renders it: a BRDF, or with `path` "transmit" a BTDF.
 
@@ -94,7 +94,7 @@ class Lut(ByContent):
                            lambda function, tau: (function.values(mu_o, mu_i, dphi, path, side, tau, phi_o),))[0]
 
     def reflectance(self, mu_o, side: str = "top", parts: bool = False, tau=None, color=None,
-                    metallic: float | None = None, roughness: float | None = None, coverage=None, phi_o=0.0):
+                    metallic: float | None = None, roughness: float | None = None, coverage=None, *, phi_o=0.0):
         """The directional albedo that Cycles shows under uniform light from above, for views with cosine `mu_o` on
         `side`. Shape: broadcast + (3,). By reciprocity it is the reflectance of a beam from there. `parts`: the pair
         (by closures that spread light, by mirrors). Other arguments are those of `evaluate`."""
