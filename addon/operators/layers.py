@@ -145,18 +145,30 @@ def _color(name, default, tip):
 
 class LAMINA_OT_match_colors(bpy.types.Operator):
     bl_idname = "lamina.match_colors"
-    bl_label = "Match Colors"
+    bl_label = "Match Two Colors"
     bl_description = (
-        "Find the albedo and the thickness of this layer from its colors over black and over white, as paint "
-        "makers measure on a drawdown card. Colors can be picked from an image beside"
+        "Find the albedo and the thickness of this layer from two of its colors. Colors can be picked from "
+        "an image beside; dragging the eyedropper takes the mean of a patch"
     )
     bl_options = {"REGISTER", "UNDO"}
 
+    known: bpy.props.EnumProperty(
+        name="Known", description="Which colors of the layer are known", items=(
+            ("CARD", "Black and White", "Over black and over white, as on a drawdown card of paint makers"),
+            ("COATS", "Two Thicknesses", "One coat, and several, on the same surface"),
+        ))  # fmt: skip
     over_black: _color("Over Black", (0.2, 0.2, 0.2), "What the layer shows on black, without gloss")
     over_white: _color("Over White", (0.6, 0.6, 0.6), "What the layer shows on white, without gloss")
     white: bpy.props.FloatProperty(
         name="White", description="Reflectance of the white surface", min=0.05, max=1.0, default=0.8
     )
+    once: _color("One Coat", (0.3, 0.3, 0.3), "What one coat shows, without gloss")
+    twice: _color("Several Coats", (0.4, 0.4, 0.4), "What several coats show, without gloss")
+    over: _color("Surface", (0.1, 0.1, 0.1), "The surface without a coat")
+    times: bpy.props.FloatProperty(
+        name="Coats", description="Thickness of several coats, by that of one",
+        min=1.05, max=100.0, default=2.0,
+    )  # fmt: skip
 
     @classmethod
     def poll(cls, context):
@@ -169,10 +181,21 @@ class LAMINA_OT_match_colors(bpy.types.Operator):
     def invoke(self, context, _event):
         return context.window_manager.invoke_props_dialog(self, confirm_text="Match")
 
+    def draw(self, _context):
+        self.layout.row().prop(self, "known", expand=True)
+        column = self.layout.column()
+        column.use_property_split, column.use_property_decorate = True, False
+        card, coats = ("over_black", "over_white", "white"), ("over", "once", "twice", "times")
+        for name in card if self.known == "CARD" else coats:
+            column.prop(self, name)
+
     def execute(self, context):
         layer = layer_list.active_layer(common.material_of(context))
         try:
-            matched_colors.match(layer, self.over_black, self.over_white, self.white)
+            if self.known == "CARD":
+                matched_colors.match(layer, self.over_black, self.over_white, self.white)
+            else:
+                matched_colors.match_coats(layer, self.once, self.twice, self.over, self.times)
         except (ValueError, native.NativeMissingError) as error:
             return common.refused(self, error)
         return {"FINISHED"}

@@ -42,7 +42,7 @@ def _draw_medium(layout, layer):
     imported = profiles.imported(layer)
     if not imported:
         layout.row().prop(layer, "mode", expand=True)
-        layout.operator("lamina.match_colors", text="Match Colors over Black and White...")
+        layout.operator("lamina.match_colors", text="Match Two Colors...")
     column = split(layout.column())
     if not imported:
         _draw_end(column, layer, layer)

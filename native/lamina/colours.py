@@ -3,6 +3,6 @@
 
 from .common.observer import rec709
 from .material.colours import albedo_of, shown
-from .material.match import match
+from .material.match import match, match_coats
 
-__all__ = ["albedo_of", "match", "rec709", "shown"]
+__all__ = ["albedo_of", "match", "match_coats", "rec709", "shown"]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A layer from its colors over black and over white."""
 
+from dataclasses import replace
+
 import bpy
 import pytest
 from addon_helpers import drawn_layer
@@ -12,7 +14,17 @@ def test_a_layer_shows_both_colors(addon, lamina, material, call):
     layer = addon.editing.stack_io.to_stack(material).layers[0]
     assert lamina.colours.shown(layer, 0.0) == pytest.approx(dark, rel=1e-4)
     assert lamina.colours.shown(layer, 0.8) == pytest.approx(bright, rel=1e-4)
-    assert "Match Colors over Black and White..." in drawn_layer(addon, material.lamina.layers[0])
+    assert "Match Two Colors..." in drawn_layer(addon, material.lamina.layers[0])
+
+
+def test_a_layer_shows_one_coat_and_two(addon, lamina, material, call):
+    known = {"once": (0.3, 0.5, 0.4), "twice": (0.4, 0.4, 0.5), "over": (0.1, 0.7, 0.2)}
+    assert call(bpy.ops.lamina.match_colors, material, known="COATS", **known) == {"FINISHED"}
+    coat = addon.editing.stack_io.to_stack(material).layers[0]
+    for times, name in ((1.0, "once"), (2.0, "twice")):
+        layer = replace(coat, tau=tuple(times * tau for tau in coat.tau))
+        for channel in range(3):
+            assert lamina.colours.shown(layer, known["over"])[channel] == pytest.approx(known[name][channel], rel=1e-4)
 
 
 def test_a_layer_that_hides_the_base_in_one_channel(addon, material):

@@ -8,7 +8,7 @@ import pytest
 
 import lamina
 from lamina import HenyeyGreenstein, Lambert, Medium, Rayleigh, Stack, StackError
-from lamina.colours import match
+from lamina.colours import match, match_coats
 
 WHITE_SKY = np.polynomial.legendre.leggauss(40)
 
@@ -59,3 +59,36 @@ def test_colours_that_no_layer_shows(dark, bright, sentence):
     assert str(caught.value) == sentence
     with pytest.raises(lamina.ArgumentError, match="white"):
         match(0.1, 0.2, white=0.0)
+
+
+@pytest.mark.parametrize(("albedo", "tau", "over", "times", "phase"), [
+    (0.9, 0.5, 0.1, 2.0, None), (0.6, 0.3, 0.8, 2.0, HenyeyGreenstein(0.6)), (0.999, 4.0, 0.05, 3.0, Rayleigh()),
+    ((0.9, 0.5, 0.2), (3.0, 0.4, 0.8), (0.1, 0.7, 0.5), 1.5, HenyeyGreenstein((0.1, 0.5, -0.3))),
+])
+def test_a_coat_is_found_again_from_one_and_more(albedo, tau, over, times, phase):
+    """From colours of the solver of all directions."""
+    more = {} if phase is None else {"phase": phase}
+    once = seen(Medium(albedo, tau, **more), over)
+    twice = seen(Medium(albedo, tuple(times * np.array(tau)) if np.ndim(tau) else times * tau, **more), over)
+    found = match_coats(once, twice, over, phase, times)
+    assert np.array(found.albedo) == pytest.approx(np.array(albedo), abs=1e-3)
+    assert np.array(found.tau) == pytest.approx(np.array(tau), rel=1e-2)
+    assert seen(Medium(found.albedo, found.tau, **more), over) == pytest.approx(once, abs=1e-5)
+
+
+def test_equal_coats_are_infinitely_thick():
+    assert match_coats(0.4, 0.4, 0.1).tau == math.inf
+
+
+@pytest.mark.parametrize(("once", "twice", "over", "sentence"), [
+    (0.3, 0.2, 0.1, "twice[0] = 0.2: must lie beyond once, 0.3, as seen from over, 0.1"),
+    (0.3, 0.4, 0.3, "twice[0] = 0.4: must lie beyond once, 0.3, as seen from over, 0.3"),
+    (0.3, 0.9, 0.1, "twice[0] = 0.9: a coat that shows 0.3 over 0.1 shows at most 0.4"),
+    ([0.3, 0.3], [0.2, 0.05], 0.5, "twice[1] = 0.05: a coat that shows 0.3 over 0.5 shows at least 0.18"),
+])
+def test_coats_that_no_layer_shows(once, twice, over, sentence):
+    with pytest.raises(StackError) as caught:
+        match_coats(once, twice, over)
+    assert str(caught.value).startswith(sentence)
+    with pytest.raises(lamina.ArgumentError, match="times"):
+        match_coats(0.2, 0.3, 0.1, times=1.0)
