@@ -24,7 +24,7 @@ constexpr int kParts = 4;            // of a pattern, see DiscPattern
 // With this number of rays or more, and if the rays of the first part are all open or all occluded, the other parts are
 // traced at one of kRoulette points only, and count that many times there (Russian roulette): the mean stays.
 constexpr std::size_t kManyRays = 128;
-constexpr float kRoulette = 8.0F;
+constexpr float kRoulette = 4.0F;
 constexpr std::uint64_t kGrainsPerTask = 8192;
 // Start of each ray, relative to the offset. A point may lie in the plane of a neighbouring face, for example at the
 // foot of a wall, and that face must not occlude it. The face that the point was offset from is farther than this.
