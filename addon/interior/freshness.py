@@ -35,7 +35,7 @@ def note(context, obj, material, node, uv_map, has_image):
     settings = material.lamina.interior
     if settings.output == "LIT":
         frame = _frame(obj, context.scene)
-        found["lamps"], found["place"] = _lamps(context, frame), _place(frame)
+        found["lamps"], found["place"] = _lamps(context, obj, frame), _place(frame)
         found["around"] = around.mark(seen.objects(context.view_layer.layer_collection), obj)
         found["turns"] = has_image
         found["camera"] = _camera(context.scene, frame) if settings.view == "CAMERA" else None
@@ -68,7 +68,7 @@ def stale(context, obj, material):
 
 def _stale_light(context, obj, earlier):
     frame = _frame(obj, context.scene)
-    now, place = _lamps(context, frame), _place(frame)
+    now, place = _lamps(context, obj, frame), _place(frame)
     gone = [name for name in earlier["lamps"] if name not in now]
     if gone:
         return f"{_listed(gone)} no longer lights the object: {AGAIN}"
@@ -162,17 +162,18 @@ def _alike_bodies(one, other):
     return bool(np.abs(np.subtract(one["box"], other["box"])).max() <= STILL * size)
 
 
-def _lamps(context, frame):
-    """{name: note} of the lamps that light objects in renders."""
+def _lamps(context, obj, frame):
+    """{name: note} of the lamps that light the object in renders."""
     found = {}
-    for obj in seen.objects(context.view_layer.layer_collection):
-        if obj.type == "LIGHT" and lamps.shines(obj):
-            found[obj.name] = _lamp(obj, obj.matrix_world, obj.matrix_basis, obj.visible_get() and frame)
-        elif obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
-            for one in obj.instance_collection.all_objects:
-                if one.type == "LIGHT" and not one.hide_render and lamps.shines(one):
-                    matrices = obj.matrix_world @ one.matrix_basis, obj.matrix_basis @ one.matrix_basis
-                    found[f"{one.name} of {obj.name}"] = _lamp(one, *matrices, obj.visible_get() and frame)
+    for other in seen.objects(context.view_layer.layer_collection):
+        where = other.visible_get() and frame
+        if other.type == "LIGHT" and lamps.shines(other, obj):
+            found[other.name] = _lamp(other, other.matrix_world, other.matrix_basis, where)
+        elif other.instance_type == "COLLECTION" and other.instance_collection is not None:
+            for one in other.instance_collection.all_objects:
+                if one.type == "LIGHT" and not one.hide_render and lamps.shines(one, obj):
+                    matrices = other.matrix_world @ one.matrix_basis, other.matrix_basis @ one.matrix_basis
+                    found[f"{one.name} of {other.name}"] = _lamp(one, *matrices, where)
     return found
 
 

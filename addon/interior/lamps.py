@@ -17,24 +17,38 @@ FLAT = 1e-6  # relative difference between the scales of a lamp's axes
 LONGEST = 63 - len(" Strength")
 
 
-def rendered(depsgraph, frame):
-    """The lamps of a render's dependency graph that light diffuse surfaces, by name; each name is unique and
-    differs from the world's. Raises RefusedError for what lamina's lamps do not have."""
+def rendered(depsgraph, frame, body):
+    """The lamps of a render's dependency graph that light diffuse surfaces of the object `body`, by name;
+    each name is unique and differs from the world's. Raises RefusedError for what lamina's lamps do not
+    have."""
     found = []
     for instance in depsgraph.object_instances:
         obj = instance.object
-        if obj.type == "LIGHT" and instance.show_self and shines(obj):
+        if obj.type == "LIGHT" and instance.show_self and shines(obj.original, body):
             found.append(_source(obj, np.array(instance.matrix_world, float), frame))
     found.sort(key=lambda one: one.name)
     names = unique([one.name for one in found])
     return [replace(one, name=name) for one, name in zip(found, names, strict=True)]
 
 
-def shines(obj):
-    """False for a portal of the world's light, and for a lamp that lights no diffuse surface, by its Ray
-    Visibility."""
+def shines(obj, body):
+    """False for a portal of the world's light, for a lamp that lights no diffuse surface, by its Ray
+    Visibility, and for one that does not light the object `body`, by its Light Linking."""
     is_portal = obj.data.type == "AREA" and getattr(getattr(obj.data, "cycles", None), "is_portal", False)
-    return obj.visible_diffuse and not is_portal
+    receivers = obj.light_linking.receiver_collection
+    return obj.visible_diffuse and not is_portal and (receivers is None or _is_linked(receivers, body))
+
+
+def _is_linked(receivers, body):
+    """As Cycles takes Light Linking: a collection that only excludes objects links all others. All objects of
+    a child collection have the child's state, unless they are also listed by themselves."""
+    states = {}
+    for child, member in zip(receivers.children, receivers.collection_children, strict=True):
+        states |= dict.fromkeys(child.all_objects, member.light_linking.link_state)
+    for obj, member in zip(receivers.objects, receivers.collection_objects, strict=True):
+        states[obj] = member.light_linking.link_state
+    usual = "EXCLUDE" if "INCLUDE" in states.values() else "INCLUDE"
+    return states.get(body.original, usual) == "INCLUDE"
 
 
 def unique(names):

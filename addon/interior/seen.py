@@ -31,7 +31,7 @@ def of_object(context, obj, material, uv_map=None, lit=True, camera=False):
         if not lit:
             return [], {}, None
         view = frame.view(depsgraph.scene_eval.camera) if camera else {}
-        return lamps.rendered(depsgraph, frame), view, around.occluders(depsgraph, obj, frame, lamina)
+        return lamps.rendered(depsgraph, frame, obj), view, around.occluders(depsgraph, obj, frame, lamina)
 
     def read(depsgraph):
         shape = body.of_object(depsgraph, obj, material, uv_map)

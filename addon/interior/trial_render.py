@@ -103,12 +103,13 @@ def _stage(context, obj, camera, materials):
             if materials.get(slot.material, slot.material) != slot.material:
                 slot.link, slot.material = "OBJECT", materials[slot.material]
         for one in dict.fromkeys(seen.objects(context.view_layer.layer_collection)):
-            is_dark = one.type == "LIGHT" and not lamps.shines(one)
+            is_dark = one.type == "LIGHT" and not lamps.shines(one, obj)
             if one in (obj, scene.camera) or is_dark:
                 continue
             copy = one.copy()
             made.append((data.objects, copy))
             copy.visible_glossy = False
+            copy.light_linking.receiver_collection = None  # which knows the object and not its copy
             temporary.collection.objects.link(copy)
         if scene.world is not None:
             temporary.world = scene.world.copy()

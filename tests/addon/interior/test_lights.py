@@ -27,7 +27,8 @@ def lamps_of(scene, frame):
     from bl_ext.user_default.lamina.base import rendered
     from bl_ext.user_default.lamina.interior import lamps
 
-    return rendered.visit(scene, bpy.context.view_layer, lambda depsgraph: lamps.rendered(depsgraph, frame))
+    body = next((one for one in scene.objects if one.type == "MESH"), None) or bpy.data.objects.new("Body", None)
+    return rendered.visit(scene, bpy.context.view_layer, lambda depsgraph: lamps.rendered(depsgraph, frame, body))
 
 
 def lit_scene(name, **more):
@@ -51,8 +52,9 @@ def lit_scene(name, **more):
     return scene
 
 
-def irradiance_in_cycles(float_render, scene):
-    """At the origin, on a plane perpendicular to the light: pi times the radiance of a white diffuse patch."""
+def irradiance_in_cycles(float_render, scene, change=lambda: None):
+    """At the origin, on a plane perpendicular to the light: pi times the radiance of a white diffuse patch. `change`:
+    called before the render."""
     from bl_ext.user_default.lamina.nodes import node_tree
 
     mesh = bpy.data.meshes.new("Patch")
@@ -75,6 +77,7 @@ def irradiance_in_cycles(float_render, scene):
     scene.camera = camera
     float_render.prepare(scene, 4, 4)
     scene.cycles.samples = 1024
+    change()
     return np.pi * float_render.picture(scene)[..., 0].mean()
 
 
@@ -110,6 +113,44 @@ def check_irradiance(rooms, lamina, name, ball_scale=(0.01,) * 3, lamp_scale=(1.
 @pytest.mark.parametrize("name", SOURCES)
 def test_a_lamp_gives_the_irradiance_of_cycles(rooms, lamina, name):
     check_irradiance(rooms, lamina, name)
+
+
+def linked(linking):
+    """A collection of receivers: {name of an object, or a collection below with such a dictionary: state}."""
+    found = bpy.data.collections.new("Receivers")
+    for number, (name, state) in enumerate(linking.items()):
+        if isinstance(state, dict):
+            found.children.link(linked(state))
+            found.collection_children[-1].light_linking.link_state = name
+        else:
+            found.objects.link(bpy.data.objects.get(name) or bpy.data.objects.new(name, None))
+            found.collection_objects[number].light_linking.link_state = state
+    return found
+
+
+@pytest.mark.parametrize(("linking", "shines"), [
+    ({"Patch": "INCLUDE"}, True), ({"Patch": "EXCLUDE"}, False), ({"Other": "INCLUDE"}, False),
+    ({"Other": "EXCLUDE"}, True), ({"Other": "INCLUDE", "Patch": "EXCLUDE"}, False), ({}, None),
+    ({"EXCLUDE": {"Patch": "INCLUDE"}}, False), ({"INCLUDE": {"Patch": "INCLUDE"}}, True),
+    ({"Patch": "INCLUDE", "EXCLUDE": {"Patch": "INCLUDE"}}, True), ({"INCLUDE": {"Patch": "EXCLUDE"}}, True),
+    ({"Patch": "EXCLUDE", "INCLUDE": {"Patch": "INCLUDE"}}, False),
+    ({"INCLUDE": {"EXCLUDE": {"Patch": "INCLUDE"}}}, True), ({"EXCLUDE": {"INCLUDE": {"Patch": "INCLUDE"}}}, False),
+])  # fmt: skip
+def test_light_linking_is_that_of_cycles(addon, linking, shines):
+    from bl_ext.user_default.lamina.interior import body, float_render
+
+    scene = lit_scene("SUN")
+    found = {}
+
+    def link():
+        scene.objects["SUN"].light_linking.receiver_collection = linked(linking)
+        bpy.context.view_layer.update()
+        frame = body.frame_of(scene.objects["Patch"], scene)
+        found["lamps"] = lamps_of(scene, frame)
+
+    irradiance = irradiance_in_cycles(float_render, scene, link)
+    assert bool(found["lamps"]) == (irradiance > 0.1)
+    assert shines is None or bool(found["lamps"]) == shines
 
 
 MIRRORED = (-1.0, 1.0, 1.0)
