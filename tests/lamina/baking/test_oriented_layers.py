@@ -6,7 +6,7 @@ import oriented_stacks
 import pytest
 
 import lamina
-from lamina import HenyeyGreenstein, Medium, Stack
+from lamina import HenyeyGreenstein, Interface, Medium, Stack
 from lamina.baking.bases.choice import largest_size
 from lamina.baking.fit.slices import SOLVED_ROWS_OF_AZIMUTH, grid_of, slices, solve_rows
 from lamina.baking.table.real_time import few_closures
@@ -121,3 +121,16 @@ def test_the_file_the_image_and_the_closures_for_eevee(dusty, tmp_path):
         total = shown.texels[0, :, turn * axes["tau"]["count"] + row, column, :3].sum(axis=0)
         phi_o = 0.4 + np.pi * turn / (axes["azimuth"]["count"] - 1)
         assert total == pytest.approx(dusty.reflectance(mu_o, phi_o=phi_o, tau=axes["tau"]["values"][row]), rel=1e-3)
+
+
+def test_a_painted_film_has_tables_with_and_without_it():
+    stack = Stack([Interface(1.47, 0.3, varying=True)], DUSTY.base)
+    lut = lamina.bake(stack, "preview", basis="moving")
+    for one in (lut, lut.uncovered):
+        assert one.report["worst_slice"]["error"] <= WORST
+        assert one.header["axes"]["azimuth"]["tangent"] == pytest.approx(0.4)
+    mu_o, phi_o = np.array([0.9, 0.5, 0.3]), np.radians([0.0, 15.0, 45.0]) + 0.4
+    for share, of in ((0.0, Stack([], DUSTY.base)), (1.0, stack)):
+        exact = lamina.solve(of, "preview").reflectance(mu_o, phi=phi_o)
+        albedo = lut.reflectance(mu_o, phi_o=phi_o, coverage=share)
+        assert albedo == pytest.approx(np.broadcast_to(exact, albedo.shape), rel=5e-3)

@@ -54,8 +54,6 @@ def require_oriented_table(stack: Stack) -> None:
     needed = "for a bake with anisotropic facets"
     if stack.base is None:
         raise StackError(f"base = null: must be an opaque base {needed}")
-    if stack.covering is not None:
-        raise StackError(f"layers[{stack.covering}].varying = true: must be false {needed}")
     if stack.varying is not None:
         stack.require_on_top(stack.varying, "for a bake that varies it above anisotropic facets")
         stack.require_colours("a bake with a varying layer above anisotropic facets")
