@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tangent of an anisotropic material, and the azimuth of the view from it, which picks the row of the
-table.
+table, or with a varying layer the block of rows.
 
 The group's input Tangent may hold any vector, such as that of Cycles' Tangent node. An empty input means the
 direction in which u of the active UV map grows. Facets look the same after half a turn, so the sign of the

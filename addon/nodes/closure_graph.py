@@ -80,12 +80,15 @@ def draw(graph, table, image, recipe_of):
     cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
     angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
-    v, tangent = _row(graph, lut, inputs, backfacing, rows, height), None
+    v, tangent, turn = _row(graph, lut, inputs, backfacing, rows, height), None, None
     if azimuth_graph.rows(lut) > 1:
         graph.begin_frame("Azimuth of the view from the tangent to row v", ROW_COLOUR)
         tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
-        step = (azimuth_graph.rows(lut) - 1) / math.pi / height
-        v = graph.math("MULTIPLY_ADD", 9.4, 22, "v of the azimuth", azimuth, step, v)
+        per_radian = (azimuth_graph.rows(lut) - 1) / math.pi
+        if rows == 1:
+            v = graph.math("MULTIPLY_ADD", 9.4, 22, "v of the azimuth", azimuth, per_radian / height, v)
+        else:
+            turn = graph.math("MULTIPLY", 9.4, 22, "row of the azimuth", azimuth, per_radian)
     graph.end_frame()
     corner = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "view angle, v")
     graph.set(corner.inputs[0], angle)
@@ -114,8 +117,11 @@ def draw(graph, table, image, recipe_of):
         textures.setdefault(index, []).append(texture)
         return texture.outputs["Color"]
 
-    around = roughness_graph.around(graph, inputs, corner.outputs[0], v, roughness_rows(lut), rows / height,
-                                    rows == 1)
+    place, step = corner.outputs[0], rows / height
+    if turn is None:
+        around = roughness_graph.around(graph, inputs, place, v, roughness_rows(lut), step, rows == 1)
+    else:
+        around = roughness_graph.between(graph, turn, place, v, azimuth_graph.rows(lut), step)
 
     def read(strip, column, line, label):
         index = strips.index(strip)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The roughness axis of a table: places in the two roughnesses around the input, and values between both.
+"""The third axis of a table, roughness or azimuth: places in the two rows around a value, and values between
+both.
 
-The image interpolates between view angles and thicknesses. Roughness is the third axis, so each strip is read
-twice, unless no layer varies."""
+The image interpolates between view angles and thicknesses. With a third axis, each strip is read twice,
+unless no layer varies."""
 
 from dataclasses import dataclass
 
@@ -31,6 +32,11 @@ def around(graph, inputs, corner, v, count, step, is_alone):
         graph.link(up, only.inputs[1])
         corner = graph.vector("ADD", 6.2, 13.6, "row", corner, only.outputs[0])
         return Around((corner,), (graph.math("ADD", 5.4, 14.6, "v of the row", v, up),), None)
+    return between(graph, place, corner, v, count, step)
+
+
+def between(graph, place, corner, v, count, step):
+    """The places around the row `place`, from 0 to count - 1, of the third axis of a table."""
     whole = graph.math("FLOOR", 3.4, 12.6, "whole", place)
     below = graph.math("MINIMUM", 4.4, 12.6, "row below", whole, float(count - 2))
     share = graph.math("SUBTRACT", 5.4, 12.6, "share of the row above", place, below)

@@ -9,6 +9,14 @@
 
 namespace py = pybind11;
 
+namespace {
+
+std::tuple<Eigen::MatrixXd, Eigen::VectorXd, Eigen::VectorXd> parts_of(const lamina::OrientedSlices& found) {
+  return {found.values.transpose(), found.albedo, found.mirrored};
+}
+
+}  // namespace
+
 void lamina::bind_oriented(py::module_& module) {
   const auto unlocked = py::call_guard<py::gil_scoped_release>();
   py::class_<OrientedSolution>(module, "OrientedSolution")
@@ -30,12 +38,25 @@ void lamina::bind_oriented(py::module_& module) {
           "slices",
           [](const OrientedSolution& solution, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& phi_o,
              const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
-            OrientedSlices found = oriented_slices(solution, OrientedGrid{mu_o, phi_o, mu_i, dphi}, pool);
-            return std::make_tuple(Eigen::MatrixXd(found.values.transpose()), found.albedo, found.mirrored);
+            return parts_of(oriented_slices(solution, OrientedGrid{mu_o, phi_o, mu_i, dphi}, pool));
           },
           py::arg("mu_o"), py::arg("phi_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"), unlocked,
           "(f mu_i [view, light], albedo [view], specular reflectance [view]), see oriented_slices")
+      .def("with_top_thickness", &OrientedSolution::with_top_thickness, py::arg("tau"), py::arg("pool"), unlocked)
       .def("diffuse_fluxes", &oriented_diffuse_fluxes, py::arg("side"), py::arg("pool"), unlocked);
+  py::class_<SlicesBelowMedium>(module, "SlicesBelowMedium")
+      .def(py::init([](const OrientedSolution& bare, const Eigen::VectorXd& mu_o, const Eigen::VectorXd& phi_o,
+                       const Eigen::VectorXd& mu_i, const Eigen::VectorXd& dphi, ThreadPool& pool) {
+             return std::make_unique<SlicesBelowMedium>(bare, OrientedGrid{mu_o, phi_o, mu_i, dphi}, pool);
+           }),
+           py::arg("bare"), py::arg("mu_o"), py::arg("phi_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"),
+           py::keep_alive<1, 2>(), unlocked)
+      .def(
+          "of",
+          [](const SlicesBelowMedium& below, const OrientedSolution& solution, ThreadPool& pool) {
+            return parts_of(below.of(solution, pool));
+          },
+          py::arg("solution"), py::arg("pool"), unlocked, "As OrientedSolution.slices, of another thickness on top.");
   module.def(
       "solve_oriented",
       [](const Stack& stack, double tolerance, ThreadPool& pool) {

@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'SlicesBelowMedium', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -261,6 +261,8 @@ class OrientedSolution:
         """
         (f mu_i [view, light], albedo [view], specular reflectance [view]), see oriented_slices
         """
+    def with_top_thickness(self, tau: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> OrientedSolution:
+        ...
     @property
     def checks(self) -> SolveChecks:
         ...
@@ -270,6 +272,13 @@ class OrientedSolution:
     @property
     def orders(self) -> int:
         ...
+class SlicesBelowMedium:
+    def __init__(self, bare: OrientedSolution, mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], mu_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], dphi: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], pool: ThreadPool) -> None:
+        ...
+    def of(self, solution: OrientedSolution, pool: ThreadPool) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+        """
+        As OrientedSolution.slices, of another thickness on top.
+        """
 class SliceTarget:
     @property
     def albedo(self) -> float:

@@ -49,10 +49,15 @@ class ViewFit {
   VectorXd residual(const VectorXd& p) {
     const Index lights = root_.size();
     const Index broad = view_.broad.cols();
+    const Index unknowns = options_.family->unknowns();
     for (int k = 0; k < lobes_; ++k) {
-      options_.family->values(p.data() + k * options_.family->unknowns(), view_.mu_o, view_.phi_o, light_, value_);
+      // A difference quotient changes one lobe at a time
+      if (shown_.size() == p.size() && shown_.segment(k * unknowns, unknowns) == p.segment(k * unknowns, unknowns))
+        continue;
+      options_.family->values(p.data() + k * unknowns, view_.mu_o, view_.phi_o, light_, value_);
       basis_.col(broad + k) = root_.cwiseProduct(value_);
     }
+    shown_ = p;
     const Index count = basis_.cols();
     MatrixXd gram = basis_.transpose() * basis_;
     const VectorXd scale = gram.diagonal().cwiseSqrt().cwiseMax(1e-300);
@@ -168,6 +173,7 @@ class ViewFit {
   VectorXd albedo_;
   double reached_ = 0.0;
   VectorXd value_ = VectorXd(root_.size());
+  VectorXd shown_;  // the unknowns of the lobes in the basis
 };
 
 struct RowFit {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "matter/single_scattering_shape.hpp"
+#include "solve/homogeneous_layer.hpp"
 
 namespace lamina {
 
@@ -30,10 +32,9 @@ VectorXd cosines_of(const std::vector<Beam>& beams) {
 }  // namespace
 
 BeamSet::BeamSet(const OrientedSolution& solution, const std::vector<Beam>& beams, ThreadPool& pool)
-    : solution_(solution), paths_(solution, cosines_of(beams)) {
-  const VectorXd cosines = cosines_of(beams);
+    : solution_(solution), cosines_(cosines_of(beams)), paths_(solution, cosines_) {
   for (const Beam& beam : beams) {
-    const Index target = std::lower_bound(cosines.begin(), cosines.end(), beam.mu) - cosines.begin();
+    const Index target = std::lower_bound(cosines_.begin(), cosines_.end(), beam.mu) - cosines_.begin();
     beams_.push_back({target, beam.phi - solution.frame(), beam.below});
   }
   const std::vector<Directions>& gaps = paths_.gaps();
@@ -49,6 +50,28 @@ BeamSet::BeamSet(const OrientedSolution& solution, const std::vector<Beam>& beam
     for (std::size_t k = 0; k < media_.size(); ++k) {
       add_medium(solution.media().scatterers()[k].layer, media_[k], beam);
     }
+  });
+}
+
+BeamSet::BeamSet(const OrientedSolution& solution, const BeamSet& bare, ThreadPool& pool)
+    : solution_(solution),
+      cosines_(bare.cosines_),
+      paths_(solution, cosines_),
+      beams_(bare.beams_),
+      media_(bare.media_),
+      lost_(bare.lost_),
+      scattered_(bare.scattered_) {
+  media_.front() = MediumOnTargets(solution.media(), 0, paths_.gaps().front(), solution.azimuths().orders);
+  const VectorXd through = direct_transmissions(cosines_, solution.media().scatterers().front().medium.tau);
+  pool.run(beams_.size(), [&](std::size_t beam) {
+    for (auto* gaps : {&scattered_.up, &scattered_.down}) {
+      for (std::vector<MatrixXd>& block : *gaps) {
+        for (MatrixXd& gap : block) {
+          gap.col(static_cast<Index>(beam)) *= through[beams_[beam].target];
+        }
+      }
+    }
+    add_medium(0, media_.front(), beam);
   });
 }
 
@@ -135,10 +158,14 @@ double BeamSet::by_medium(std::size_t scatterer, std::size_t out, std::size_t in
                 passed * single_transmission(mu_o, mu_i, own.medium.tau) * own.phase.evaluate(sines + mu_o * mu_i));
   // More often, by azimuth orders.
   const MediumOnTargets& medium = media_[scatterer];
+  const double turn_cosine = std::cos(dphi);
+  double before = turn_cosine;  // cosines of m - 1 and of m times dphi, by recurrence
+  double here = 1.0;
   for (std::size_t m = 0; m < medium.reflect_between.size(); ++m) {
-    const double wave = (m == 0 ? 1.0 : 2.0) / pi * std::cos(static_cast<double>(m) * dphi);
+    const double wave = (m == 0 ? 1.0 : 2.0) / pi * here;
     sum += wave * (turned * medium.reflect_between[m](beams_[out].target, beams_[in].target) +
                    passed * medium.transmit_between[m](beams_[out].target, beams_[in].target));
+    before = std::exchange(here, 2.0 * turn_cosine * here - before);
   }
   return sum;
 }

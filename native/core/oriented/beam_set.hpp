@@ -26,6 +26,8 @@ struct Beam {
 class BeamSet {
  public:
   BeamSet(const OrientedSolution& solution, const std::vector<Beam>& beams, ThreadPool& pool);
+  /// The same beams for the stack of `bare` with another thickness of the medium on top, whose thickness was 0.
+  BeamSet(const OrientedSolution& solution, const BeamSet& bare, ThreadPool& pool);
 
   /// The light of the beams after its first scattering, a column for each beam.
   const GapLight& scattered() const { return scattered_; }
@@ -43,6 +45,7 @@ class BeamSet {
   double by_medium(std::size_t scatterer, std::size_t out, std::size_t in, double turn) const;
 
   const OrientedSolution& solution_;
+  Eigen::VectorXd cosines_;
   SpecularPaths paths_;
   std::vector<SpecularPaths::Arrived> beams_;
   std::vector<MediumOnTargets> media_;

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "oriented/beam_set.hpp"
 #include "oriented/oriented_evaluation.hpp"
+#include "solve/homogeneous_layer.hpp"
 
 namespace lamina {
 namespace {
@@ -73,20 +76,24 @@ struct BeamLight {
   VectorXd albedo;
 };
 
-BeamLight light_between_beams(const OrientedSolution& solution, ThreadPool& pool) {
+/// The beams of a solution: azimuths in half a turn, and the angles of each.
+std::vector<Beam> beams_of(const OrientedSolution& solution) {
+  const VectorXd angles = beam_angles(solution.media().resolution().nodes);
+  std::vector<Beam> beams;
+  for (int a = 0; a < solution.azimuths().orders; ++a) {
+    for (const double angle : angles) {
+      beams.push_back({std::cos(angle), pi * a / solution.azimuths().orders, false});
+    }
+  }
+  return beams;
+}
+
+BeamLight light_between(const OrientedSolution& solution, const BeamSet& set, ThreadPool& pool) {
   BeamLight found;
   found.angle = beam_angles(solution.media().resolution().nodes);
   found.azimuths = 2 * solution.azimuths().orders;
-  std::vector<Beam> beams;
-  for (Index a = 0; a < found.azimuths / 2; ++a) {
-    for (Index k = 0; k < found.angle.size(); ++k) {
-      beams.push_back(
-          {std::cos(found.angle[k]), 2.0 * pi * static_cast<double>(a) / static_cast<double>(found.azimuths), false});
-    }
-  }
-  const auto count = static_cast<Index>(beams.size());
-  const BeamSet set(solution, beams, pool);
   const GapLight& ends = set.scattered();
+  const Index count = ends.up.front().front().cols();
   found.same.resize(count, count);
   found.turned.resize(count, count);
   found.albedo.resize(count);
@@ -97,7 +104,7 @@ BeamLight light_between_beams(const OrientedSolution& solution, ThreadPool& pool
     // Half a turn changes the sign of odd functions
     MatrixXd parts[2] = {MatrixXd::Zero(count, size), MatrixXd::Zero(count, size)};
     for (std::size_t block = 0; block < ends.up.size(); ++block) {
-      for (std::size_t gap = 0; gap < ends.up[block].size(); ++gap) {
+      for (std::size_t gap = 1; gap < ends.up[block].size(); ++gap) {  // no layer emits down into the first
         parts[block % 2].noalias() += ends.up[block][gap].transpose() * light.down[block][gap];
         parts[block % 2].noalias() += ends.down[block][gap].transpose() * light.up[block][gap];
       }
@@ -105,11 +112,12 @@ BeamLight light_between_beams(const OrientedSolution& solution, ThreadPool& pool
     found.same.middleCols(first, size) = (parts[0] + parts[1]) / pi;
     found.turned.middleCols(first, size) = (parts[0] - parts[1]) / pi;
   }
-  pool.run(beams.size(), [&](std::size_t in) {
-    for (std::size_t out = 0; out < beams.size(); ++out) {
+  const VectorXd mu = found.angle.array().cos();
+  pool.run(static_cast<std::size_t>(count), [&](std::size_t in) {
+    for (std::size_t out = 0; out < static_cast<std::size_t>(count); ++out) {
       const auto o = static_cast<Index>(out);
       const auto i = static_cast<Index>(in);
-      const double cosines = beams[out].mu + beams[in].mu;
+      const double cosines = mu[o % mu.size()] + mu[i % mu.size()];
       found.same(o, i) = cosines * (found.same(o, i) + set.smooth_by_one_layer(out, in, 0.0));
       found.turned(o, i) = cosines * (found.turned(o, i) + set.smooth_by_one_layer(out, in, pi));
     }
@@ -117,22 +125,22 @@ BeamLight light_between_beams(const OrientedSolution& solution, ThreadPool& pool
   return found;
 }
 
-/// Smooth light from all beams of a whole turn to one view, [angle, azimuth].
-MatrixXd to_view(const BeamLight& known, const MatrixXd& angle_shares, const MatrixXd& wave_shares, Index mu,
-                 Index phi) {
+/// Smooth light from all beams of a whole turn to all views of one azimuth, [angle and azimuth of the beam, view].
+MatrixXd to_views(const BeamLight& known, const MatrixXd& angle_shares, const VectorXd& wave_shares) {
   const Index angles = known.angle.size();
   const Index half = known.azimuths / 2;
-  MatrixXd light = MatrixXd::Zero(angles, known.azimuths);
-  VectorXd first = VectorXd::Zero(angles * half);   // shares of the views in the first half turn
-  VectorXd second = VectorXd::Zero(angles * half);  // and in the second
+  const Index views = angle_shares.rows();
+  MatrixXd first(angles * half, views);   // shares of the views in the first half turn
+  MatrixXd second(angles * half, views);  // and in the second
   for (Index a = 0; a < half; ++a) {
-    first.segment(a * angles, angles) = wave_shares(phi, a) * angle_shares.row(mu).transpose();
-    second.segment(a * angles, angles) = wave_shares(phi, half + a) * angle_shares.row(mu).transpose();
+    first.middleRows(a * angles, angles) = wave_shares[a] * angle_shares.transpose();
+    second.middleRows(a * angles, angles) = wave_shares[half + a] * angle_shares.transpose();
   }
-  const VectorXd near = known.same.transpose() * first + known.turned.transpose() * second;
-  const VectorXd far = known.turned.transpose() * first + known.same.transpose() * second;
-  light.leftCols(half) = Eigen::Map<const MatrixXd>(near.data(), angles, half);
-  light.rightCols(half) = Eigen::Map<const MatrixXd>(far.data(), angles, half);
+  MatrixXd light(2 * angles * half, views);
+  light.topRows(angles * half).noalias() = known.same.transpose() * first;
+  light.topRows(angles * half).noalias() += known.turned.transpose() * second;
+  light.bottomRows(angles * half).noalias() = known.turned.transpose() * first;
+  light.bottomRows(angles * half).noalias() += known.same.transpose() * second;
   return light;
 }
 
@@ -143,46 +151,98 @@ VectorXd all_cosines(const OrientedGrid& grid) {
   return all;
 }
 
-}  // namespace
+/// Light that facets scatter once, in 1/sr, from all lights to one view.
+void add_facets(const OrientedSolution& solution, const SpecularPaths& paths, const OrientedGrid& grid, Index column,
+                Eigen::Ref<VectorXd> light) {
+  const Index views = grid.mu_o.size();
+  const Index azimuths = grid.dphi.size();
+  const double turn = grid.phi_o[column / views];
+  const SpecularPaths::Arrived out{column % views, turn - solution.frame(), false};
+  for (Index k = 0; k < light.size(); ++k) {
+    const SpecularPaths::Arrived in{views + k / azimuths, turn - grid.dphi[k % azimuths] - solution.frame(), false};
+    for (std::size_t layer = 0; layer <= solution.stack().layers.size(); ++layer) {
+      if (solution.surface(layer) != nullptr) {
+        light[k] += paths.by_facets(out, in, layer);
+      }
+    }
+  }
+}
 
-OrientedSlices oriented_slices(const OrientedSolution& solution, const OrientedGrid& grid, ThreadPool& pool) {
+/// Adds to a column, the smooth light from all lights to one view in 1/sr, the light of facets.
+using AddFacets = std::function<void(Index column, Eigen::Ref<VectorXd> light)>;
+
+OrientedSlices slices_between(const OrientedSolution& solution, const BeamSet& set, const OrientedGrid& grid,
+                              const AddFacets& add, ThreadPool& pool) {
   const Index views = grid.mu_o.size();
   const Index turns = grid.phi_o.size();
   const Index azimuths = grid.dphi.size();
-  const BeamLight known = light_between_beams(solution, pool);
-  const MatrixXd to_views = cubics(known.angle, grid.mu_o);
-  const MatrixXd to_lights = cubics(known.angle, grid.mu_i);
+  const BeamLight known = light_between(solution, set, pool);
+  const MatrixXd view_shares = cubics(known.angle, grid.mu_o);
+  const MatrixXd light_shares = cubics(known.angle, grid.mu_i);
   const MatrixXd view_waves = waves(known.azimuths, 2.0 * pi, grid.phi_o);
   const MatrixXd flux_waves = waves(known.azimuths / 2, pi, grid.phi_o);
   const Eigen::Map<const MatrixXd> fluxes(known.albedo.data(), known.angle.size(), known.azimuths / 2);
-  const SpecularPaths paths(solution, all_cosines(grid));
 
   OrientedSlices found;
   found.values.resize(grid.mu_i.size() * azimuths, turns * views);
-  const MatrixXd albedo = to_views * fluxes * flux_waves.transpose();
+  const MatrixXd albedo = view_shares * fluxes * flux_waves.transpose();
   found.albedo = Eigen::Map<const VectorXd>(albedo.data(), albedo.size());
   found.mirrored = VectorXd(specular_light(solution, grid.mu_o).reflect_above).replicate(turns, 1);
-  pool.run(static_cast<std::size_t>(turns * views), [&](std::size_t place) {
-    const auto column = static_cast<Index>(place);
-    const Index turn = column / views;
-    const Index view = column % views;
+  pool.run(static_cast<std::size_t>(turns), [&](std::size_t place) {
+    const auto turn = static_cast<Index>(place);
     const VectorXd phi = grid.phi_o[turn] - grid.dphi.array();
-    const MatrixXd smooth =
-        to_lights * to_view(known, to_views, view_waves, view, turn) * waves(known.azimuths, 2.0 * pi, phi).transpose();
-    const SpecularPaths::Arrived out{view, grid.phi_o[turn] - solution.frame(), false};
-    for (Index i = 0; i < grid.mu_i.size(); ++i) {
-      for (Index j = 0; j < azimuths; ++j) {
-        double value = smooth(i, j) / (grid.mu_o[view] + grid.mu_i[i]);
-        for (std::size_t layer = 0; layer <= solution.stack().layers.size(); ++layer) {
-          if (solution.surface(layer) != nullptr) {
-            value += paths.by_facets(out, {views + i, phi[j] - solution.frame(), false}, layer);
-          }
-        }
-        found.values(i * azimuths + j, column) = std::max(0.0, value) * grid.mu_i[i];
+    const MatrixXd light_waves = waves(known.azimuths, 2.0 * pi, phi).transpose();
+    const MatrixXd light = to_views(known, view_shares, view_waves.row(turn));
+    for (Index view = 0; view < views; ++view) {
+      const Eigen::Map<const MatrixXd> beams(light.col(view).data(), known.angle.size(), known.azimuths);
+      const MatrixXd smooth = light_shares * beams * light_waves;
+      auto column = found.values.col(turn * views + view);
+      for (Index i = 0; i < grid.mu_i.size(); ++i) {
+        column.segment(i * azimuths, azimuths) = smooth.row(i).transpose() / (grid.mu_o[view] + grid.mu_i[i]);
+      }
+      add(turn * views + view, column);
+      for (Index i = 0; i < grid.mu_i.size(); ++i) {
+        column.segment(i * azimuths, azimuths) = column.segment(i * azimuths, azimuths).cwiseMax(0.0) * grid.mu_i[i];
       }
     }
   });
   return found;
+}
+
+}  // namespace
+
+OrientedSlices oriented_slices(const OrientedSolution& solution, const OrientedGrid& grid, ThreadPool& pool) {
+  const BeamSet set(solution, beams_of(solution), pool);
+  const SpecularPaths paths(solution, all_cosines(grid));
+  return slices_between(
+      solution, set, grid,
+      [&](Index column, Eigen::Ref<VectorXd> light) { add_facets(solution, paths, grid, column, light); }, pool);
+}
+
+SlicesBelowMedium::SlicesBelowMedium(const OrientedSolution& bare, OrientedGrid grid, ThreadPool& pool)
+    : grid_(std::move(grid)), beams_(bare, beams_of(bare), pool) {
+  const SpecularPaths paths(bare, all_cosines(grid_));
+  facets_.resize(grid_.mu_i.size() * grid_.dphi.size(), grid_.phi_o.size() * grid_.mu_o.size());
+  pool.run(static_cast<std::size_t>(facets_.cols()), [&](std::size_t place) {
+    const auto column = static_cast<Index>(place);
+    VectorXd light = VectorXd::Zero(facets_.rows());
+    add_facets(bare, paths, grid_, column, light);
+    facets_.col(column) = light.cast<float>();
+  });
+}
+
+OrientedSlices SlicesBelowMedium::of(const OrientedSolution& solution, ThreadPool& pool) const {
+  const double tau = solution.media().scatterers().front().medium.tau;
+  const VectorXd to_views = direct_transmissions(grid_.mu_o, tau);
+  VectorXd from_lights(facets_.rows());
+  for (Index i = 0; i < grid_.mu_i.size(); ++i) {
+    from_lights.segment(i * grid_.dphi.size(), grid_.dphi.size())
+        .setConstant(direct_transmissions(grid_.mu_i.segment(i, 1), tau)[0]);
+  }
+  const auto add = [&](Index column, Eigen::Ref<VectorXd> light) {
+    light += to_views[column % grid_.mu_o.size()] * from_lights.cwiseProduct(facets_.col(column).cast<double>());
+  };
+  return slices_between(solution, BeamSet(solution, beams_, pool), grid_, add, pool);
 }
 
 }  // namespace lamina

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "numeric/thread_pool.hpp"
+#include "oriented/beam_set.hpp"
 #include "oriented/oriented_solution.hpp"
 
 namespace lamina {
@@ -28,5 +29,20 @@ struct OrientedSlices {
 /// many as the solution has nodes and functions, and interpolated between them, by cubics in the angle from the normal
 /// and by Fourier series in the azimuth.
 OrientedSlices oriented_slices(const OrientedSolution& solution, const OrientedGrid& grid, ThreadPool& pool);
+
+/// Slices for many thicknesses of the medium on top of a stack. What does not depend on the thickness is kept: the
+/// first scattering below the medium, by facets and into the nodes.
+class SlicesBelowMedium {
+ public:
+  /// `bare`: the stack where the medium on top has the thickness 0; it must outlive this.
+  SlicesBelowMedium(const OrientedSolution& bare, OrientedGrid grid, ThreadPool& pool);
+  /// The slices of the stack of another thickness: see OrientedSolution::with_top_thickness.
+  OrientedSlices of(const OrientedSolution& solution, ThreadPool& pool) const;
+
+ private:
+  OrientedGrid grid_;
+  BeamSet beams_;
+  Eigen::MatrixXf facets_;  // light that facets scatter once, in 1/sr, [light, view]
+};
 
 }  // namespace lamina

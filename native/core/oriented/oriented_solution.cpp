@@ -75,6 +75,22 @@ bool is_mirrored(const Stack& stack, double frame) {
   return true;
 }
 
+/// The order of each function of a block.
+std::vector<std::size_t> orders_of(const AzimuthBlocks& azimuths, std::size_t block) {
+  std::vector<std::size_t> orders;
+  for (const Index function : azimuths.functions[block]) {
+    orders.push_back(static_cast<std::size_t>(azimuths.order_of(function)));
+  }
+  return orders;
+}
+
+BlockLayer medium_layer(const std::shared_ptr<const MediumOnNodes>& own, const std::vector<std::size_t>& orders) {
+  const auto part = [&](const OrderMatrices& matrices) {
+    return BlockOperator::isotropic(std::shared_ptr<const OrderMatrices>(own, &matrices), orders);
+  };
+  return {part(own->reflect), part(own->transmit), part(own->reflect)};
+}
+
 }  // namespace
 
 OrientedResolution choose_oriented_resolution(const Stack& stack, double tolerance) {
@@ -131,6 +147,7 @@ OrientedSolution::OrientedSolution(SublayerStack sublayers, double tolerance, co
   add_surfaces(resolution.fineness, pool);
   add_layers(pool);
   between_.resize(azimuths_.functions.size());
+  below_top_.resize(azimuths_.functions.size());
   pool.run(between_.size(), [&](std::size_t block) { join(block); });
   if (base_surface_ && !stack_.layers.empty()) {
     // The layers above hold all reflections of the base, and the blocks take much memory.
@@ -175,10 +192,7 @@ void OrientedSolution::add_layers(ThreadPool& pool) {
     base_kernel->front() = base.reflectance * bottom.scale * bottom.scale.transpose();
   }
   for (std::size_t b = 0; b < blocks; ++b) {
-    std::vector<std::size_t> orders;
-    for (const Index function : azimuths_.functions[b]) {
-      orders.push_back(static_cast<std::size_t>(azimuths_.order_of(function)));
-    }
+    const std::vector<std::size_t> orders = orders_of(azimuths_, b);
     std::vector<BlockLayer> layers;
     std::size_t medium = 0;
     for (std::size_t layer = 0; layer < count; ++layer) {
@@ -195,11 +209,7 @@ void OrientedSolution::add_layers(ThreadPool& pool) {
              BlockOperator::specular(s.transmit.delta.head(std::min(above.live, below.live)), below.live, above.live),
              BlockOperator::specular(s.reflect_below.delta.head(below.live), below.live, below.live)});
       } else {
-        const std::shared_ptr<const MediumOnNodes>& own = solved[medium++];
-        const auto part = [&](const OrderMatrices& matrices) {
-          return BlockOperator::isotropic(std::shared_ptr<const OrderMatrices>(own, &matrices), orders);
-        };
-        layers.push_back({part(own->reflect), part(own->transmit), part(own->reflect)});
+        layers.push_back(medium_layer(solved[medium++], orders));
       }
     }
     layers_.push_back(std::move(layers));
@@ -220,6 +230,38 @@ Index OrientedSolution::size(std::size_t block, std::size_t gap) const {
   return gaps_[gap].live * static_cast<Index>(azimuths_.functions[block].size());
 }
 
+bool OrientedSolution::has_medium_on_top() const {
+  return !stack_.layers.empty() && std::holds_alternative<Medium>(stack_.layers.front());
+}
+
+/// The light between a layer and all that lies below it, Q, for the reflection `below` of the latter.
+MatrixXd OrientedSolution::reflected_between(std::size_t block, std::size_t layer, const MatrixXd& below) const {
+  // Q is symmetric: Q = (1 - B R')^-1 B.
+  MatrixXd system = -layers_[block][layer].reflect_below.times(below, size(block, layer + 1)).transpose();
+  system.diagonal().array() += 1.0;
+  const MatrixXd q = Eigen::PartialPivLU<Eigen::Ref<MatrixXd>>(system).solve(below);  // in place
+  return 0.5 * (q + q.transpose());
+}
+
+OrientedSolution OrientedSolution::with_top_thickness(double tau, ThreadPool& pool) const {
+  if (!has_medium_on_top()) {
+    throw std::invalid_argument("with_top_thickness: the top layer is not a homogeneous medium");
+  }
+  OrientedSolution other = *this;
+  other.media_ = media_.with_thickness(0, tau, pool);
+  std::get<Medium>(other.stack_.layers.front()).tau = tau;
+  other.checks_ = other.media_.checks();
+  const auto own = std::make_shared<const MediumOnNodes>(other.media_, 0, gaps_.front(), azimuths_.orders);
+  pool.run(between_.size(), [&](std::size_t block) {
+    other.layers_[block].front() = medium_layer(own, orders_of(azimuths_, block));
+    if (!between_[block].front().size()) {
+      return;
+    }
+    other.between_[block].front() = other.reflected_between(block, 0, below_top_[block].cast<double>()).cast<float>();
+  });
+  return other;
+}
+
 void OrientedSolution::join(std::size_t block) {
   const std::vector<BlockLayer>& layers = layers_[block];
   std::vector<Eigen::MatrixXf>& between = between_[block];
@@ -228,16 +270,14 @@ void OrientedSolution::join(std::size_t block) {
   MatrixXd below = MatrixXd::Zero(size(block, layers.size()), size(block, layers.size()));
   base_[block].add_to(below);
   for (std::size_t k = layers.size(); k-- > 0;) {
-    const Index inside = size(block, k + 1);
     const Index above = size(block, k);
+    if (k == 0 && has_medium_on_top()) {
+      below_top_[block] = below.cast<float>();
+    }
     if (!dark) {
-      // Q is symmetric: Q = (1 - B R')^-1 B.
-      MatrixXd system = -layers[k].reflect_below.times(below, inside).transpose();
-      system.diagonal().array() += 1.0;
-      MatrixXd q = Eigen::PartialPivLU<Eigen::Ref<MatrixXd>>(system).solve(below);  // in place
-      between[k] = (0.5 * (q + q.transpose())).cast<float>();
+      const MatrixXd q = reflected_between(block, k, below);
+      between[k] = q.cast<float>();
       if (k > 0) {
-        q = 0.5 * (q + q.transpose()).eval();
         const MatrixXd half = layers[k].transmit.transposed_times(q, above);
         below = layers[k].transmit.transposed_times(half.transpose(), above);
       }

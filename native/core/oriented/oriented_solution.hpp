@@ -37,6 +37,10 @@ class OrientedSolution {
   /// Throws std::runtime_error if the stack cannot be resolved. The base must be reciprocal.
   OrientedSolution(const Stack& stack, double tolerance, const OrientedResolution& resolution, ThreadPool& pool);
 
+  /// The stack with another thickness of the homogeneous medium on top of it; what lies below is not solved again.
+  /// Throws std::invalid_argument if the top layer is none.
+  OrientedSolution with_top_thickness(double tau, ThreadPool& pool) const;
+
   const Stack& stack() const { return stack_; }
   /// The media, between smooth boundaries.
   const Solution& media() const { return media_; }
@@ -59,6 +63,8 @@ class OrientedSolution {
   void add_surfaces(int fineness, ThreadPool& pool);
   void add_layers(ThreadPool& pool);
   void join(std::size_t block);
+  Eigen::MatrixXd reflected_between(std::size_t block, std::size_t layer, const Eigen::MatrixXd& below) const;
+  bool has_medium_on_top() const;
   Eigen::Index size(std::size_t block, std::size_t gap) const;
 
   Stack stack_;
@@ -73,6 +79,7 @@ class OrientedSolution {
   /// [block][layer]: Q = B (1 - R' B)^-1 with the layer's R' and the reflection B of all that lies below it. Single
   /// precision halves most of the memory of a solution.
   std::vector<std::vector<Eigen::MatrixXf>> between_;
+  std::vector<Eigen::MatrixXf> below_top_;  // [block]: the reflection B below a medium on top of the stack, if any
   SolveChecks checks_;
 };
 

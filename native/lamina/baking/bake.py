@@ -38,8 +38,10 @@ def bake(stack: AnyStack, quality: str = "final", progress: Progress | None = No
     views.
     `nodes` replaces the solver's choice of nodes per hemisphere, without its guarantee of accuracy; also for previews,
     and not for anisotropic facets.
-    A stack with anisotropic facets has rows for azimuths of the view from the tangent in place of thicknesses. It needs
-    an opaque base, no varying layer, and a basis with lobes that move.
+    A stack with anisotropic facets has rows for azimuths of the view from the tangent; with a varying layer, as many
+    thicknesses for each azimuth. Such a layer is a homogeneous medium on top of the stack, eight of its thicknesses are
+    solved whatever `row_stride` is, and `tau_error` is left out. The stack needs an opaque base and a basis with lobes
+    that move.
     `basis`: "standard" takes 1.1 to 2.1 times as long to render as a Principled BSDF, see docs/figures.md; "moving" may
     replace some of its closures by two lobes whose width, anisotropy and tilt follow the view, for Blender 5.0 and
     newer, on opaque bases; "accurate" takes some twenty closures, and "moving-accurate" does so with such lobes.

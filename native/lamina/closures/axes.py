@@ -15,15 +15,15 @@ def column_angles() -> np.ndarray:
     return np.linspace(0.0, 0.5 * math.pi, COLUMNS)
 
 
-def tau_rows(largest: float) -> np.ndarray:
-    """Thicknesses of a varying layer's rows, shape (33,): uniform in t = tau / (tau + TAU_BEND), the last
+def tau_rows(largest: float, count: int = TAU_ROWS) -> np.ndarray:
+    """Thicknesses of a varying layer's rows, shape (count,): uniform in t = tau / (tau + TAU_BEND), the last
     row at `largest`."""
-    rows = tau_at(largest, np.arange(TAU_ROWS))
+    rows = tau_at(largest, np.arange(count), count)
     rows[-1] = largest
     return rows
 
 
-def tau_at(largest: float, rows: np.ndarray) -> np.ndarray:
+def tau_at(largest: float, rows: np.ndarray, count: int = TAU_ROWS) -> np.ndarray:
     """Thickness at `rows` of that axis, integers or fractions between two rows."""
-    t = largest / (largest + TAU_BEND) * np.asarray(rows, float) / (TAU_ROWS - 1)
+    t = largest / (largest + TAU_BEND) * np.asarray(rows, float) / (count - 1)
     return TAU_BEND * t / (1.0 - t)

@@ -28,6 +28,8 @@ SHAPE, TILT = "shape/", "tilt/"
 # Azimuths of the view, from the layer's tangent to half a turn: rows of the table of an anisotropic stack. Facets look
 # the same after half a turn, so the last row equals the first.
 AZIMUTH_ROWS = {"preview": 13, "final": 33}
+# With a varying layer too, the table has these many thicknesses for each azimuth.
+TAU_ROWS_OF_AZIMUTH = 17
 
 _WITHOUT_CLOSURE = (THROWN_BACK, BASE_WEIGHT, PRINCIPLED)
 _METAL = "metal/"

@@ -58,3 +58,10 @@ class Requirements:
             if isinstance(layer, OrientedLayer):
                 raise StackError(f"layers[{number}].kind = '{layer.kind}': must be left out for {user}; lamina.solve, "
                                  f"lamina.estimate by method 'transfer' and lamina.bake take {layer.kind}")
+
+    def require_on_top(self, layer: int, needed: str) -> None:
+        """Raises StackError unless this layer is a homogeneous medium on top of the stack."""
+        if layer > 0:
+            raise StackError(f"layers[{layer}]: must be the top layer {needed}")
+        if getattr(self.layers[layer], "profile", None) is not None:
+            raise StackError(f"layers[{layer}].profile: must be left out {needed}")

@@ -173,7 +173,7 @@ class ScatteringFunction:
 
     Azimuths matter only with anisotropic facets: `phi_o` is that of the outgoing light from the tangent, `phi` that of
     a beam, both of directions of travel in radians; the incoming light travels along phi_o - dphi. Functions of such
-    stacks know no grids, and no other thickness or reflectance.
+    stacks know no grids and no other reflectance, and another thickness of a homogeneous medium on top only.
 
     `nodes` and `orders` are the solver's choices; `checks` is a dict of the errors that its checks found, the maxima
     over channels. A pickled function holds the arguments of its making, and is solved again when it is loaded, with
@@ -235,13 +235,14 @@ class ScatteringFunction:
         one channel takes any number of them. For the new `stack` see material.thickness.with_thickness. Raises
         StackError, ArgumentError and SolveError."""
         stack = self.stack
-        stack.require_isotropic("another thickness")
         layer = check_whole(layer, "layer", 0, len(stack.layers) - 1)
         medium = stack.layers[layer]
         if not isinstance(medium, Medium | OrientedLayer):
             raise ArgumentError(f"layer = {layer}: must be a medium, flakes or fibers, this one is of kind "
                                 f"{medium.kind}")
         profile = isinstance(medium, Medium) and medium.profile is not None
+        if self._oriented:
+            stack.require_on_top(layer, "for another thickness above anisotropic facets")
         quantity = THICKNESS["tau"] if profile else TAU if isinstance(medium, Medium) else AMOUNT
         taus = quantity.check(taus, "taus")
         count = len(self._channels)
@@ -262,6 +263,8 @@ class ScatteringFunction:
                 if profile and tau > 0.0 and medium.optics(own)[1] == 0.0:
                     # The core was given a clear layer in place of a profile without thickness
                     made[key] = self._method.channel(changed(), index)
+                elif isinstance(solution, _core.OrientedSolution):
+                    made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_top_thickness(tau, self._pool))
                 else:
                     made[key] = or_solve_error(lambda s=solution, tau=tau: s.with_thickness(layer, tau, self._pool))
             channels.append(made[key])

@@ -151,7 +151,8 @@ COAT = Interface(1.5, 0.1, alpha_v=0.3)
 
 @pytest.mark.parametrize(("stack", "words"), [
     (oriented_stacks.STACKS["sheet"], "base = null"),
-    (Stack([COAT, Medium(0.9, 1.0, varying=True)], Lambert(0.5)), r"layers\[1\].varying"),
+    (Stack([COAT, Medium(0.9, 1.0, varying=True)], Lambert(0.5)), r"layers\[1\]: must be the top layer"),
+    (Stack([Medium(albedo=(0.4, 0.9), tau=1.0, varying=True)], oriented_stacks.metal(0.1, 0.3)), "channels = 2"),
     (Stack([COAT], Lambert(0.5, textured=True)), "no input"),
     (Stack([COAT], PrincipledBase()), "no input"),
 ])

@@ -101,11 +101,9 @@ def test_layers_are_told_apart_by_name():
 
 
 def test_dust_has_a_thickness_input():
-    """But for brushed metal, where azimuths take the axis of thickness."""
     grains = {"dust", "soot", "ash"}
     dusty = [entry for entry in presets.entries() if grains & {layer.name for layer in entry.stack.layers}]
-    assert len(dusty) >= 7 and all(
-        entry.stack.varying is not None or entry.stack.is_oriented for entry in dusty)
+    assert len(dusty) >= 7 and all(entry.stack.varying is not None for entry in dusty)
 
 
 def test_an_unknown_preset():

@@ -181,7 +181,8 @@ def test_channels_share_equal_facets():
 @pytest.mark.parametrize("call, sentence", [
     (lambda s: lamina.solve(s, nodes=32), "nodes = 32: must be left out for a stack with anisotropic facets"),
     (lambda s: lamina.solve(s).grid("reflect", [0.5], [0.5], [0.0]), "base.alpha_v = 0.3: must be left out for a grid"),
-    (lambda s: lamina.solve(s, "preview").with_thickness(0, 1.0), "must be left out for another thickness"),
+    (lambda s: lamina.solve(Stack([Interface(1.5), *s.layers], s.base), "preview").with_thickness(1, 1.0),
+     "layers[1]: must be the top layer for another thickness above anisotropic facets"),
     (lambda s: lamina.solve(s, "preview").with_base_reflectance(0.5), "must be left out for another reflectance"),
     (lambda s: lamina.solve(Stack(s.layers, metal(0.01, 0.3))), "facets of width 0.01 are too narrow"),
     (lambda s: lamina.solve(Stack([Interface(1.5, 0.1, alpha_v=0.3)], PrincipledBase())),
@@ -191,3 +192,21 @@ def test_what_the_solver_refuses(call, sentence):
     with pytest.raises((StackError, ArgumentError, SolveError)) as caught:
         call(STACKS["dust on brushed metal"])
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("tau", [0.0, 0.02, 1.7])
+@pytest.mark.parametrize("name", ["dust on brushed metal", "crossed"])
+def test_another_thickness_on_top_is_a_new_solve(name, tau):
+    """What lies below is not solved again. A new solve of the other thickness shares only code."""
+    below = STACKS[name]
+    stack = Stack([medium(0.9, 0.3, 0.7), *below.layers[name != "crossed":]], below.base)
+    other = Stack([medium(0.9, tau, 0.7), *stack.layers[1:]], stack.base)
+    changed, new = lamina.solve(stack, "preview").with_thickness(0, tau), lamina.solve(other, "preview")
+    assert changed.stack == other
+    mu_o, mu_i, dphi, phi_o = np.random.default_rng(8).uniform((0.1, 0.1, -3.0, 0.0), (1.0, 1.0, 3.0, 3.0), (40, 4)).T
+    value = new.brdf(mu_o, mu_i, dphi, phi_o=phi_o)
+    assert changed.brdf(mu_o, mu_i, dphi, phi_o=phi_o) == pytest.approx(value, rel=1e-4)
+    assert changed.reflectance(mu_o, phi=phi_o) == pytest.approx(new.reflectance(mu_o, phi=phi_o), rel=1e-5)
+    if tau == 0.0:
+        clean = lamina.solve(Stack(stack.layers[1:], stack.base), "preview")
+        assert changed.reflectance(mu_o, phi=phi_o) == pytest.approx(clean.reflectance(mu_o, phi=phi_o), rel=1e-5)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ...kinds.bases import Lambert, ShaderBase
-from ...kinds.table import AZIMUTH_ROWS, COLUMNS, TAU_ROWS
+from ...kinds.table import AZIMUTH_ROWS, COLUMNS, TAU_ROWS, TAU_ROWS_OF_AZIMUTH
 from ...material.stack import Stack
 from ..fit.slices import covers_inputs, shows_bsdf
 from .base import BakedBase
@@ -30,7 +30,11 @@ def kind_of(stack: Stack) -> type[BakedBase]:
 def largest_size(stack: Stack, basis: str) -> tuple[int, int]:
     """(height, width) of the largest image that the table of this stack and basis can have, in texels, with that of
     the stack without the film of its varying interface: see Lut.image."""
-    rows = TAU_ROWS if stack.varying is not None else max(AZIMUTH_ROWS.values()) if stack.is_oriented else 1
+    varies = stack.varying is not None
+    if stack.is_oriented:
+        rows = max(AZIMUTH_ROWS.values()) * (TAU_ROWS_OF_AZIMUTH if varies else 1)
+    else:
+        rows = TAU_ROWS if varies else 1
     bare = stack.uncovered
     more = 0 if bare is None else largest_size(bare, basis)[0]
     return rows * kind_of(stack).most_strips(stack, CLOSURE_BASES[basis]) + more, COLUMNS

@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...closures import narrow_lobes
 from ...common.progress import portion, portions
 from ...kinds.table import Strip, closure_count
 from ...material.stack import Stack
+from ..fit.between_rows import spread_beside_clean
 from ..fit.dropped_weights import folded
-from ..fit.mixture import Mixture, Part
+from ..fit.mixture import Mixture, Part, albedos_of
 from ..fit.slices import Slices, slices, stated
 from ..fit.stack_fit import StackFit
 from ..fit.strayed_light import compensated, strayed_report
@@ -66,10 +69,16 @@ class Fixed(BakedBase):
         parts = []
         for kind, wanted in self.seen.items():
             fitted = self.fitted[kind] = folded(self.fitted[kind], wanted, grid, self.solved.is_sheet)
+            direct = wanted.direct
+            if fitted.thicknesses > 1:
+                albedo = albedos_of(fitted, grid, False)[:, :, ::fitted.thicknesses]
+                weights = spread_beside_clean(fitted.weights, albedo, self.solved)
+                fitted = replace(fitted, weights=weights, thicknesses=len(self.solved.axis))
+                direct = spread_beside_clean(direct[:, None], np.ones_like(albedo[:, :1]), self.solved)[:, 0]
             parts += [Part.of(fitted.closures, fitted.weights), *Part.shapes_of(fitted)]
             if np.any(wanted.direct):
                 name = narrow_lobes.mirror(stack) if kind == "reflection" else "transparent"
-                parts.append(Part.single(Strip(name), wanted.direct))
+                parts.append(Part.single(Strip(name), direct))
         return parts + self._base_parts()
 
     def errors(self, header: dict, weights: np.ndarray) -> dict:

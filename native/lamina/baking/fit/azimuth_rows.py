@@ -36,14 +36,17 @@ class AzimuthRows:
         return cls(every[:(count + 1) // 2] if mirrored else every[:-1], count, tangent, mirrored)
 
     def whole(self, strips: Sequence[Strip], values: np.ndarray) -> np.ndarray:
-        """Values [side, strip, row, number, column] of all rows, from those of the solved ones."""
-        if not self.mirrored:
-            return np.concatenate([values, values[:, :, :1]], axis=2)
-        again = values[:, :, -2::-1].copy()
-        for index, strip in enumerate(strips):
-            if strip.role in (SHAPE, TILT) and shaped_lobes.is_oriented(strip.closure):
-                again[:, index, :, 2 if strip.role == SHAPE else 1] *= -1.0  # a sin 2t, and l
-        return np.concatenate([values, again], axis=2)
+        """Values [side, strip, row, number, column] of all azimuths, from those of the solved ones. Rows are all
+        thicknesses of the first azimuth, then those of the second, and so on."""
+        sides, count, rows, *rest = values.shape
+        blocks = values.reshape(sides, count, len(self.solved), -1, *rest)
+        again = blocks[:, :, :1]
+        if self.mirrored:
+            again = blocks[:, :, -2::-1].copy()
+            for index, strip in enumerate(strips):
+                if strip.role in (SHAPE, TILT) and shaped_lobes.is_oriented(strip.closure):
+                    again[:, index, :, :, 2 if strip.role == SHAPE else 1] *= -1.0  # a sin 2t, and l
+        return np.concatenate([blocks, again], axis=2).reshape(sides, count, -1, *rest)
 
 
 def require_oriented_table(stack: Stack) -> None:
@@ -51,6 +54,6 @@ def require_oriented_table(stack: Stack) -> None:
     needed = "for a bake with anisotropic facets"
     if stack.base is None:
         raise StackError(f"base = null: must be an opaque base {needed}")
-    if stack.varying is not None or stack.covering is not None:
-        number = stack.varying if stack.covering is None else stack.covering
-        raise StackError(f"layers[{number}].varying = true: must be false {needed}, whose rows are azimuths")
+    if stack.varying is not None:
+        stack.require_on_top(stack.varying, "for a bake that varies it above anisotropic facets")
+        stack.require_colours("a bake with a varying layer above anisotropic facets")

@@ -40,15 +40,34 @@ def between(values: np.ndarray, known: np.ndarray, count: int, axis: int) -> np.
 def spread(part: Part, solved: SolvedRows) -> np.ndarray:
     """Weights [side, closure, row, channel, column] of all rows, from those of the solved ones; of several roughnesses,
     each by itself. Needs LEAST solved rows."""
-    weights, count = part.weights, len(solved.rows)
+    matrix = _spline(np.array(solved.rows, float), np.arange(len(solved.axis)))
+    found = _by_blocks(part.weights, len(solved.rows), matrix)
+    if not all(strip.closure for strip in part.strips):
+        return np.minimum(np.maximum(found, 0.0), part.weights.max())  # shares, which are no weights of closures
+    return _with_albedo(found, column_albedos(tuple(strip.closure for strip in part.strips)).T[None, :, None, None])
+
+
+def spread_beside_clean(weights: np.ndarray, albedo: np.ndarray, solved: SolvedRows) -> np.ndarray:
+    """Weights [side, closure, row, channel, column] of all thicknesses of each azimuth, from those of the solved ones.
+    Weights have a kink at row 1, which is solved: splines begin there. `albedo` [side, closure, azimuth, column]: of
+    unit weights, which do not depend on the thickness."""
+    matrix = np.zeros((len(solved.axis), len(solved.rows)))
+    matrix[0, 0] = 1.0
+    matrix[1:, 1:] = _spline(np.array(solved.rows[1:], float), np.arange(1, len(solved.axis)))
+    found = _by_blocks(weights, len(solved.rows), matrix)
+    return _with_albedo(found, np.repeat(albedo, len(solved.axis), axis=2)[:, :, :, None])
+
+
+def _by_blocks(weights: np.ndarray, count: int, matrix: np.ndarray) -> np.ndarray:
+    """The matrix [wanted, known] applied to each block of `count` rows of weights [side, closure, row, ...]."""
     sides, closures, rows, *rest = weights.shape
     blocks = weights.reshape(sides, closures, rows // count, count, *rest)
-    matrix = _spline(np.array(solved.rows, float), np.arange(len(solved.axis)))
-    found = np.einsum("wr,skbr...->skbw...", matrix, blocks).reshape(sides, closures, -1, *rest)
+    return np.einsum("wr,skbr...->skbw...", matrix, blocks).reshape(sides, closures, -1, *rest)
+
+
+def _with_albedo(found: np.ndarray, albedo: np.ndarray) -> np.ndarray:
+    """Weights without their negative parts, with the same sums of weight and albedo."""
     kept = np.maximum(found, 0.0)
-    if not all(strip.closure for strip in part.strips):
-        return np.minimum(kept, weights.max())  # shares, which are no weights of closures
-    albedo = column_albedos(tuple(strip.closure for strip in part.strips)).T[None, :, None, None]
     wanted, reached = ((one * albedo).sum(axis=1, keepdims=True) for one in (found, kept))
     return kept * np.where(reached > 0.0, np.maximum(wanted, 0.0) / np.where(reached > 0.0, reached, 1.0), 0.0)
 

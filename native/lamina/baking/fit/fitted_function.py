@@ -137,10 +137,19 @@ class FittedFunction:
         the tangent of the rows."""
         side = min(self._sides.index(viewer) if viewer in self._sides else 0, len(self._sides) - 1)
         column = np.arccos(np.clip(mu_o, 0.0, 1.0)) / column_angles()[-1] * (COLUMNS - 1)
-        row = _row(tau, self._tau) if phi is None else phi % math.pi / math.pi * (self._azimuth["count"] - 1)
+        row, turn = _row(tau, self._tau), np.zeros(mu_o.shape)
+        if phi is not None:
+            turn = phi % math.pi / math.pi * (self._azimuth["count"] - 1)
+        block = max(1, self._tau["count"])
+        first = turn.astype(int)
 
         def texels(index: int) -> np.ndarray:
-            return _interpolated(self._texels[side, index], row, column)
+            strip = self._texels[side, index]
+            below = _interpolated(strip, first * block + row, column)
+            if phi is None:
+                return below
+            above = _interpolated(strip, (first + 1) * block + row, column)
+            return below + (turn - first)[:, None] * (above - below)
 
         return self._weights(texels), self._shapes(texels)
 

@@ -46,12 +46,12 @@ class Gauge:
 
     def closures(self, function: FittedFunction, solved: SolvedRows) -> dict[str, np.ndarray]:
         """Weights of the closures at the solved rows, by id, [side, row, channel, column]."""
-        return {name: np.moveaxis(weight[:, solved.rows, ::self.stride, :self.channels], -1, 2)
+        return {name: np.moveaxis(weight[:, solved.places, ::self.stride, :self.channels], -1, 2)
                 for name, weight in function.at_texels(len(solved.sides)).items()}
 
     def shapes(self, function: FittedFunction, solved: SolvedRows) -> dict[str, np.ndarray]:
         """Shapes of the closures that move with the view at the solved rows, by id, [side, row, column, numbers]."""
-        return {name: shape[:, solved.rows, ::self.stride]
+        return {name: shape[:, solved.places, ::self.stride]
                 for name, shape in function.shapes_at_texels(len(solved.sides)).items()}
 
 
@@ -63,8 +63,7 @@ def slice_errors(function: FittedFunction, solved: SolvedRows, wanted: Slices, k
     shapes = gauge.shapes(function, solved)
     values = -wanted.values
     for name, shape in shapes.items():
-        azimuths = None if solved.azimuths is None else solved.azimuths.solved
-        values = values + weighted(closures.pop(name), shape, gauge.grid, gauge.stride, azimuths)
+        values = values + weighted(closures.pop(name), shape, gauge.grid, gauge.stride, solved.turns)
     values = values + _sum(function, closures, kind, gauge)
     if PRINCIPLED in closures:
         base = function.base

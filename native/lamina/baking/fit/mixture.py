@@ -54,7 +54,7 @@ class Mixture:
     column]: `errors`, relative to each slice's norm and nan where the slice is black; `albedo_errors`, relative.
     `shapes` [side, lobe, row, numbers, column]: of the first closures, those that move with the view, see
     closures.shaped_lobes; None without them. `azimuths` [row]: of the viewer from the layer's tangent, if the stack is
-    anisotropic."""
+    anisotropic. With `thicknesses` above 1, each row of `shapes` and `azimuths` stands for so many rows."""
 
     closures: list[str]
     weights: np.ndarray
@@ -62,9 +62,15 @@ class Mixture:
     albedo_errors: np.ndarray
     shapes: np.ndarray | None = None
     azimuths: np.ndarray | None = None
+    thicknesses: int = 1
 
-    def azimuth(self, row: int) -> float | None:
-        return None if self.azimuths is None else float(self.azimuths[row])
+    def at_azimuth(self, index: int) -> Mixture:
+        """All thicknesses of one of the azimuths."""
+        assert self.shapes is not None and self.azimuths is not None
+        rows, one = slice(index * self.thicknesses, (index + 1) * self.thicknesses), slice(index, index + 1)
+        return replace(self, weights=self.weights[:, :, rows], errors=self.errors[:, rows],
+                       albedo_errors=self.albedo_errors[:, rows], shapes=self.shapes[:, :, one],
+                       azimuths=self.azimuths[one])
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,8 @@ class Part:
         if mixture.shapes is None:
             return []
         names = mixture.closures[:mixture.shapes.shape[1]]
-        first, more = mixture.shapes[:, :, :, :3], mixture.shapes[:, :, :, 3:]
+        shapes = np.repeat(mixture.shapes, mixture.thicknesses, axis=2)
+        first, more = shapes[:, :, :, :3], shapes[:, :, :, 3:]
         parts = [cls([Strip(name, SHAPE) for name in names], first)]
         if mixture.azimuths is not None:
             more = np.concatenate([more, np.zeros_like(more[:, :, :, :1])], axis=3)
@@ -225,8 +232,13 @@ def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: Ligh
                mixed: bool) -> Mixture:
     """The mixture with other weights and their errors. The albedo errors of the fit are kept."""
     changed = replace(mixture, weights=weights)
+    if mixture.thicknesses == 1:
+        left = norms(wanted.values - values_of(changed, grid, mixed), grid)
+    else:  # one azimuth after the other takes less memory
+        left = np.concatenate([norms(wanted.values[:, rows] - values_of(changed.at_azimuth(index), grid, mixed), grid)
+                               for index, rows in enumerate(batches(weights.shape[2], mixture.thicknesses))], axis=1)
     whole = norms(wanted.values, grid)
-    errors = norms(wanted.values - values_of(changed, grid, mixed), grid) / np.where(whole > 0.0, whole, 1.0)
+    errors = left / np.where(whole > 0.0, whole, 1.0)
     return replace(changed, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
 
 
@@ -237,20 +249,20 @@ def values_of(mixture: Mixture, grid: LightGrid, mixed: bool = False) -> np.ndar
     parts = [_Fitted(only(grid, mixed, tuple(fixed)), mixture.weights[:, moving:]).values()] if fixed else []
     if mixture.shapes is not None:
         parts += [weighted(mixture.weights[:, lobe], np.moveaxis(mixture.shapes[:, lobe], 2, 3), grid,
-                           azimuths=mixture.azimuths) for lobe in range(moving)]
+                           azimuths=mixture.azimuths, thicknesses=mixture.thicknesses) for lobe in range(moving)]
     return sum(parts[1:], parts[0])
 
 
 def weighted(weights: np.ndarray, shapes: np.ndarray, grid: LightGrid, stride: int = 1,
-             azimuths: np.ndarray | None = None) -> np.ndarray:
+             azimuths: np.ndarray | None = None, thicknesses: int = 1) -> np.ndarray:
     """The values of a lobe that moves with the view, [side, row, channel, column, light], for weights [side, row,
-    channel, column] and shapes [side, row, column, numbers] at every `stride`-th view; `azimuths` [row]: see
-    Mixture."""
+    channel, column] and shapes [side, row, column, numbers] at every `stride`-th view; `azimuths` [row] and
+    `thicknesses`: see Mixture."""
     mu_o = view_cosines()[::stride]
     turns = [None] * shapes.shape[1] if azimuths is None else azimuths.tolist()
     lobes = np.stack([[shaped_lobes.sampled(row, mu_o, turn, grid) for row, turn in zip(side, turns, strict=True)]
                       for side in shapes])
-    return weights[..., None] * lobes[:, :, None]
+    return weights[..., None] * np.repeat(lobes, thicknesses, axis=1)[:, :, None]
 
 
 def albedos_of(mixture: Mixture, grid: LightGrid, mixed: bool) -> np.ndarray:
@@ -261,7 +273,8 @@ def albedos_of(mixture: Mixture, grid: LightGrid, mixed: bool) -> np.ndarray:
         parts.append(only(grid, mixed, tuple(fixed)).albedo.T[None, :, None])
     if mixture.shapes is not None:
         azimuths = None if mixture.azimuths is None else mixture.azimuths[:, None]
-        parts.insert(0, shaped_lobes.albedos(np.moveaxis(mixture.shapes, 3, 4), view_cosines(), azimuths))
+        moving_albedo = shaped_lobes.albedos(np.moveaxis(mixture.shapes, 3, 4), view_cosines(), azimuths)
+        parts.insert(0, np.repeat(moving_albedo, mixture.thicknesses, axis=2))
         parts = [np.broadcast_to(part, (*parts[0].shape[:1], part.shape[1], *parts[0].shape[2:])) for part in parts]
     return np.concatenate(parts, axis=1)
 
@@ -312,6 +325,8 @@ def _targets(basis: Closures, values: np.ndarray, albedo: np.ndarray, pool):
 
 def norms(values: np.ndarray, grid: LightGrid) -> np.ndarray:
     """L2 norms over solid angle, along the last axis of `values`."""
+    if values.dtype == np.float32:  # of many rows, one after the other
+        return np.stack([norms(row.astype(float), grid) for row in np.moveaxis(values, 1, 0)], axis=1)
     return np.sqrt(np.maximum((values**2) @ grid.solid_angle, 0.0))
 
 

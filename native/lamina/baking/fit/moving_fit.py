@@ -22,7 +22,7 @@ from .azimuth_rows import AzimuthRows
 from .between_rows import between
 from .dropped_weights import LEAST_WEIGHT
 from .mixture import ACCURATE, Effort, Mixture, selection
-from .slices import Slices, batches, stated
+from .slices import MOST_KEPT, Slices, batches, stated
 
 # Broad closures beside the lobes while their shapes are fitted.
 BROAD = ("diffuse", "toon_03_06", "ggx_1", "diffuse_tiltm15")
@@ -66,8 +66,13 @@ class MovingFit:
         closures of an earlier table; without a moving one, a choice is made. `clean`: the mixture of row 0 alone, whose
         closures are part of the choice, and whose shapes row 0 has."""
         step(0.0, "Fitting lobes that move with the view")
-        fit = _Fit(self, wanted, self._shapes(wanted, None if clean is None else clean.shapes))
+        return self.mixture(wanted, self.shapes(wanted, None if clean is None else clean.shapes), given, step, clean)
+
+    def mixture(self, wanted: Slices, shapes: np.ndarray, given: Sequence[str], step: Progress,
+                clean: Mixture | None = None) -> Mixture | None:
+        """As the call, for known shapes of the moving lobes, see `shapes`."""
         step(0.5, "Choosing closures")
+        fit = _Fit(self, wanted, shapes)
         own = [name for name in given if not shaped_lobes.is_shaped(name)]
         if len(own) < len(given) and all(":" not in name or name in self.made for name in own):
             return fit.mixture(own)
@@ -84,10 +89,11 @@ class MovingFit:
         fewer = replace(self, count=int(shown.sum()))
         return _Fit(fewer, wanted, np.ascontiguousarray(fit.shapes[:, :, shown])).mixture(names)
 
-    def _shapes(self, wanted: Slices, clean: np.ndarray | None) -> np.ndarray:
-        """Shapes of all rows and columns, [row, column, lobe, numbers]; `clean`: those of row 0, see Mixture.shapes."""
+    def shapes(self, wanted: Slices, clean: np.ndarray | None = None, stride: int = 1) -> np.ndarray:
+        """Shapes of all rows and columns, [row, column, lobe, numbers]; `clean`: those of row 0, see Mixture.shapes.
+        `stride`: of azimuths; the shapes of others are interpolated."""
         count, columns, grid = wanted.albedo.shape[1], np.array(COLUMN_KNOTS), self.grid
-        knots = ROW_KNOTS if self.azimuths is None else range(count)
+        knots = ROW_KNOTS if self.azimuths is None else range(0, count, stride)
         rows = sorted({row for row in knots if row < count} | {count - 1})
         options = _core.MovingFitOptions()
         options.lobes, options.stiffness, options.retro = self.count, STIFFNESS, self.retro
@@ -158,7 +164,7 @@ class _Fit:
         wanted, rows = self.wanted, self.shapes.shape[0]
         fixed, every = self._fixed(names, 1), list(range(self.how.count + len(names)))
         weights, errors = [], []
-        for part in batches(rows):
+        for part in batches(rows) if wanted.albedo.shape[2] <= MOST_KEPT else batches(rows, 1):
             some = list(range(rows))[part]
             table = self._table(fixed, some, 1)
             fitted, left = table.fit(self._targets(table, some, 1), every, self.how.pool)

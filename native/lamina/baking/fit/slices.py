@@ -19,6 +19,7 @@ from ...common.observer import faded, fading, in_gamut
 from ...kinds.bases import LEAST_ALPHA, Lambert, PrincipledBase, ShaderBase
 from ...kinds.boundaries import Interface
 from ...kinds.fields import channel_count
+from ...kinds.table import TAU_ROWS, TAU_ROWS_OF_AZIMUTH
 from ...material.stack import Stack
 from ...solver.sharp_facets import take_lost
 from ...solver.solve import ScatteringFunction, solve, solve_with_mirrors
@@ -31,7 +32,8 @@ PATHS = {"reflection": _core.Path.reflect, "transmission": _core.Path.transmit}
 STATED_COSINE = 0.05
 # Rows between two calls of `step`; enough to keep all threads busy.
 ROWS_AT_ONCE = 4
-MOST_KEPT = 3  # channels of stacks whose solved rows are kept
+SOLVED_ROWS_OF_AZIMUTH = (0, 1, 2, 4, 6, 9, 12)  # and the last; the others are interpolated
+MOST_KEPT = 3  # channels of isotropic stacks whose solved rows are kept
 
 
 def stated() -> np.ndarray:
@@ -65,7 +67,9 @@ class Slices:
 class SolvedRows:
     """A stack solved for thicknesses of its varying layer; one row when none varies.
 
-    `axis`: all thicknesses of the table; `rows`: indices of the solved ones; `tau`: their thicknesses."""
+    `axis`: all thicknesses of the table; `rows`: indices of the solved ones; `tau`: their thicknesses. An anisotropic
+    stack has as many rows for each of its `azimuths`: all thicknesses of the first, then those of the second, and so
+    on."""
 
     axis: list[float]
     rows: list[int]
@@ -73,7 +77,18 @@ class SolvedRows:
     functions: Sequence[ScatteringFunction]
     sides: list[str]
     is_sheet: bool
-    azimuths: AzimuthRows | None = None  # of an anisotropic stack, whose rows are these in place of thicknesses
+    azimuths: AzimuthRows | None = None
+
+    @property
+    def turns(self) -> np.ndarray | None:
+        """The azimuth of each solved row of an anisotropic stack."""
+        return None if self.azimuths is None else np.repeat(self.azimuths.solved, len(self.rows))
+
+    @property
+    def places(self) -> list[int]:
+        """The places of the solved rows among those of the table."""
+        turns = 1 if self.azimuths is None else len(self.azimuths.solved)
+        return [turn * max(1, len(self.axis)) + row for turn in range(turns) for row in self.rows]
 
     @property
     def shares(self) -> list[float]:
@@ -116,7 +131,7 @@ def covers_inputs(stack: Stack) -> bool:
 def grid_of(stack: Stack, quality: str) -> LightGrid:
     """The light grid of a bake of this stack."""
     if stack.is_oriented:
-        return oriented_grid(quality)
+        return oriented_grid("preview" if stack.varying is not None else quality)
     if shows_bsdf(stack):
         narrowest = None
     elif "roughness" in inputs_of(stack):
@@ -139,23 +154,20 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     may raise to cancel. A ShaderBase counts as a Lambert surface."""
     step(0.0, "Solving the stack")
     stack = on_lambert(stack)
-    if stack.is_oriented:
-        azimuths = AzimuthRows.of(stack, quality)
-        count = len(azimuths.solved)
-        function = solve(stack, quality, threads)
-        return SolvedRows([], list(range(count)), [None] * count, [function], ["top"], False, azimuths)
-    full = solve_with_mirrors(stack, quality, threads, nodes)
+    azimuths = AzimuthRows.of(stack, quality) if stack.is_oriented else None
+    full = solve(stack, quality, threads) if azimuths else solve_with_mirrors(stack, quality, threads, nodes)
     # Seen from below, the sheet is the reversed stack; if both are equal, one side is used for both.
     symmetric = stack.turned().canonical() == stack.canonical()
     is_sheet = stack.base is None
     sides = ["top", "bottom"] if is_sheet and not symmetric else ["top"]
     varying = stack.varying
     if varying is None:
-        return SolvedRows([], [0], [None], [full], sides, is_sheet)
+        return SolvedRows([], [0], [None], [full], sides, is_sheet, azimuths)
     taus = [stack.optics(varying, c)[1] for c in range(stack.channels)]
     largest = max(taus)
-    axis = [float(tau) for tau in tau_rows(largest)]
-    rows = sorted({*range(0, len(axis), stride), len(axis) - 1}) if only is None else sorted(only)
+    axis = [float(tau) for tau in tau_rows(largest, TAU_ROWS if azimuths is None else TAU_ROWS_OF_AZIMUTH)]
+    every = range(0, len(axis), stride) if azimuths is None else SOLVED_ROWS_OF_AZIMUTH
+    rows = sorted({*every, len(axis) - 1}) if only is None else sorted(only)
 
     def made(known: ScatteringFunction, row: int) -> ScatteringFunction:
         return known.with_thickness(varying, [_share(axis[row], largest) * tau for tau in taus])
@@ -163,7 +175,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
     # The lobes of boundaries are sharpest in the clean stack, so its resolution is sufficient for all other rows.
     clean = made(full, rows[0])
     functions: Sequence[ScatteringFunction]
-    if stack.channels > MOST_KEPT:
+    if stack.channels > MOST_KEPT or azimuths is not None:
         functions = SolvedAgain(lambda row: clean if row == rows[0] else made(clean, row), rows)
     else:
         kept = [clean]
@@ -171,7 +183,7 @@ def solve_rows(stack: Stack, quality: str, threads: int, step: Callable[[float, 
             step(count / len(rows), f"Solving thickness {count + 1} of {len(rows)}")
             kept.append(made(clean, row))
         functions = kept
-    return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet)
+    return SolvedRows(axis, rows, [axis[row] for row in rows], functions, sides, is_sheet, azimuths)
 
 
 def slices(solved: SolvedRows, grid: LightGrid, pool, step: Callable[[float, str], None]) -> dict[str, Slices]:
@@ -188,8 +200,7 @@ def evaluated(functions: Sequence[ScatteringFunction], solved: SolvedRows, mu_o:
     """Slices of the stack `solved` with the thicknesses of `functions`, at view cosines `mu_o`. For a sheet, those of
     reflection and then those of transmission along the first axis. `step` is called before each batch of rows."""
     if solved.azimuths is not None:
-        step(0.0, "Evaluating azimuths")
-        return _evaluate_azimuths(functions[0], solved.azimuths, mu_o, grid, pool)
+        return _evaluate_azimuths(functions, solved, mu_o, grid, pool, step)
     sights = _sights(solved)[1]
     made = []
     for rows in batches(len(functions), 1 if isinstance(functions, SolvedAgain) else ROWS_AT_ONCE):
@@ -274,14 +285,36 @@ def _in_colours(values, lobes, albedo, direct, stack: Stack):
     return values, lobes, faded(albedo, share, 2), in_gamut(direct, 2)
 
 
-def _evaluate_azimuths(function: ScatteringFunction, azimuths: AzimuthRows, mu_o: np.ndarray, grid: LightGrid,
-                       pool) -> Slices:
-    """Slices of an anisotropic stack, whose rows are azimuths."""
-    phi_o = azimuths.solved + azimuths.tangent
-    made = {id(solution): solution.slices(mu_o, phi_o, grid.mu, grid.dphi, pool) for solution in function.solutions}
-    values, albedo, direct = (
-        np.stack([made[id(solution)][part].reshape(len(phi_o), len(mu_o), *more) for solution in function.solutions], 1)
-        for part, more in ((0, (grid.solid_angle.size,)), (1, ()), (2, ())))
-    parts = values[None], None, np.maximum(albedo, 0.0)[None], direct[None]
-    values, _, albedo, direct = _in_colours(*parts, function.stack)
+def _evaluate_azimuths(functions: Sequence[ScatteringFunction], solved: SolvedRows, mu_o: np.ndarray,
+                       grid: LightGrid, pool, step: Callable[[float, str], None]) -> Slices:
+    """Slices of an anisotropic stack. The first of several functions is that without the varying layer."""
+    assert solved.azimuths is not None
+    phi_o = solved.azimuths.solved + solved.azimuths.tangent
+    step(0.0, "Evaluating azimuths")
+    directions = mu_o, phi_o, grid.mu, grid.dphi, pool
+    if len(functions) > 1:
+        bare = {id(one): _core.SlicesBelowMedium(one, *directions) for one in functions[0].solutions}
+        below = [bare[id(one)] for one in functions[0].solutions]
+    rows = len(functions)
+    found: list[np.ndarray] = []  # [azimuth, thickness, ...] of values, albedo and direct
+    for number, function in enumerate(functions):
+        step(number / rows, f"Evaluating thickness {number + 1} of {rows}")
+        made = {}
+        for index, one in enumerate(function.solutions):
+            if id(one) not in made:
+                made[id(one)] = one.slices(*directions) if rows == 1 else below[index].of(one, pool)
+        values, albedo, direct = (
+            np.stack([made[id(one)][part].reshape(len(phi_o), len(mu_o), *more) for one in function.solutions], 1)
+            for part, more in ((0, (grid.solid_angle.size,)), (1, ()), (2, ())))
+        values, _, albedo, direct = _in_colours(values[None], None, np.maximum(albedo, 0.0)[None], direct[None],
+                                                function.stack)
+        if rows == 1:
+            return Slices(values, albedo, None, direct)
+        parts = [part[0] for part in (values, albedo, direct)]
+        if not found:  # values in single precision: all thicknesses together take much memory
+            found = [np.empty((len(part), rows, *part.shape[1:]), np.float32 if part is parts[0] else float)
+                     for part in parts]
+        for whole, part in zip(found, parts, strict=True):
+            whole[:, number] = part
+    values, albedo, direct = (part.reshape(1, -1, *part.shape[2:]) for part in found)
     return Slices(values, albedo, None, direct)

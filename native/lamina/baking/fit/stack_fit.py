@@ -16,6 +16,7 @@ from ...closures import narrow_lobes, shaped_lobes
 from ...closures.closure_table import LightGrid
 from ...common.progress import Progress, portion
 from ...material.stack import Stack
+from .layered_fit import below_layer
 from .mixture import Effort, Mixture, mean_error, mix
 from .moving_fit import MovingFit, score
 from .slices import Slices, SolvedRows
@@ -48,6 +49,8 @@ class StackFit:
         effort = Effort(*counts, **self._search)
         if self._solved.azimuths is not None:
             fit = MovingFit(self._moving, [], self._grid, effort, self._pool, self._solved.azimuths)
+            if self._varies:
+                return below_layer(fit, wanted, len(self._solved.rows), given, step)
             oriented = fit(wanted, given, step)
             assert oriented is not None  # no closures of one width serve such a stack
             return oriented

@@ -67,7 +67,9 @@ def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
     """Fit error by thickness, for all rows; empty if no layer varies."""
     if not solved.axis:
         return {}
-    errors = np.moveaxis(linear(np.nan_to_num(errors), solved, 1), 1, 0).reshape(len(solved.axis), -1)
+    errors = linear(np.nan_to_num(errors), solved, 1)
+    errors = errors.reshape(len(errors), -1, len(solved.axis), *errors.shape[2:])  # azimuths, thicknesses
+    errors = np.moveaxis(errors, 2, 0).reshape(len(solved.axis), -1)
     return {"row_errors": {"tau": solved.axis, "mean": errors.mean(axis=1).round(6).tolist(),
                            "worst": errors.max(axis=1).round(6).tolist()}}
 
@@ -75,12 +77,13 @@ def _by_row(errors: np.ndarray, solved: SolvedRows) -> dict:
 def _worst(errors: np.ndarray, solved: SolvedRows) -> dict:
     candidates = np.where(stated(), np.nan_to_num(errors), 0.0)
     side, row, channel, column = np.unravel_index(int(candidates.argmax()), candidates.shape)
-    azimuth = {} if solved.azimuths is None else {"phi_o": float(solved.azimuths.solved[row] + solved.azimuths.tangent)}
+    turns, azimuths = solved.turns, solved.azimuths
+    azimuth = {} if turns is None or azimuths is None else {"phi_o": float(turns[row] + azimuths.tangent)}
     return {
         "error": float(candidates[side, row, channel, column]),
         "mu_o": float(view_cosines()[column]),
         "channel": int(channel),
         "side": solved.sides[side],
-        "tau": solved.tau[row],
+        "tau": solved.tau[row % len(solved.tau)],
         **azimuth,
     }

@@ -16,10 +16,13 @@ def dataset(header: dict, weights: np.ndarray):
     axes, report = header["axes"], header["report"]
     roughness = axes.get("roughness", {}).get("values", [0.0])
     tau = axes["tau"]["values"] or [0.0]
+    azimuth = axes.get("azimuth")
+    turns = azimuth["tangent"] + np.linspace(0.0, np.pi, azimuth["count"]) if azimuth else [0.0]
     angles = column_angles()
     sides, closures, _, columns, _ = weights.shape
-    shape = (sides, closures, len(roughness), len(tau), columns, 3)
-    names = ("side", "closure", "roughness", "tau", "view_angle", "color")
+    turned = ("azimuth",) if azimuth else ()
+    shape = (sides, closures, len(roughness), *(len(turns) for _ in turned), len(tau), columns, 3)
+    names = ("side", "closure", "roughness", *turned, "tau", "view_angle", "color")
     about = {"units": "1", "long_name": "weight of a closure"}
     found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), about)}
     for kind in ("", "_transmission"):
@@ -27,8 +30,10 @@ def dataset(header: dict, weights: np.ndarray):
         if errors is not None:
             # Of a table with an axis of roughness, the errors are those at the base's own roughness
             own = ("roughness",) if len(roughness) == 1 else ()
-            array = np.array(errors).reshape(sides, *(1 for _ in own), len(tau), -1, columns)
-            found[f"slice_errors{kind}"] = (("side", *own, "tau", "channel", "view_angle"), array, {
+            solved = ("solved_azimuth",) if azimuth else ()  # half of them, if the others mirror these
+            array = np.array(errors)
+            array = array.reshape(sides, *(1 for _ in own), *(-1 for _ in solved), len(tau), array.shape[2], columns)
+            found[f"slice_errors{kind}"] = (("side", *own, *solved, "tau", "channel", "view_angle"), array, {
                 "units": "1", "long_name": "relative L2 error of a slice over solid angle"})
     coordinates = {
         "side": ("side", header["sides"], {"long_name": "side of the viewer"}),
@@ -39,6 +44,8 @@ def dataset(header: dict, weights: np.ndarray):
         "mu_o": ("view_angle", np.cos(angles), {"units": "1", "long_name": "cosine of the view with the normal"}),
         "color": ("color", list(CHANNELS)),
     }
+    if azimuth:
+        coordinates["azimuth"] = ("azimuth", turns, {"units": "rad", "long_name": "azimuth of the view"})
     if "slice_errors" in found:
         coordinates["channel"] = ("channel", channel_names(found["slice_errors"][1].shape[-2]))
     attributes = {"stack_hash": header["stack_hash"], "quality": header["quality"],

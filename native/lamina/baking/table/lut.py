@@ -30,13 +30,13 @@ _UNCOVERED = "uncovered"  # the entry of the header, and the array
 class Lut(ByContent):
     """Closure weights over the view angle, and the header that describes them.
 
-    `weights`: float32, shape (sides, closures, rows, 64 columns, 3); rows are thicknesses tau, or for an anisotropic
-    stack azimuths. `header`: a JSON object with schema, version (of the Lamina that made the table), stack, stack_hash,
-    quality, basis, seed, sides, axes, closures (lobe ids, see lamina.lobes; "transparent" for the unscattered light of
-    a sheet; "shape/moving:N" for a strip that holds roughness, anisotropy and tilt of a lobe that moves with the view;
-    "shape/oriented:N" and "tilt/oriented:N" for one of an anisotropic stack) and report. The table of a stack with a
-    varying interface has a second table, `uncovered`: its header is an entry of `header`, and its weights are
-    `uncovered_weights`."""
+    `weights`: float32, shape (sides, closures, rows, 64 columns, 3); rows are thicknesses tau; for an anisotropic stack
+    azimuths, each with all thicknesses. `header`: a JSON object with schema, version (of the Lamina that made the
+    table), stack, stack_hash, quality, basis, seed, sides, axes, closures (lobe ids, see lamina.lobes; "transparent"
+    for the unscattered light of a sheet; "shape/moving:N" for a strip that holds roughness, anisotropy and tilt of a
+    lobe that moves with the view; "shape/oriented:N" and "tilt/oriented:N" for one of an anisotropic stack) and report.
+    The table of a stack with a varying interface has a second table, `uncovered`: its header is an entry of `header`,
+    and its weights are `uncovered_weights`."""
 
     header: dict
     weights: np.ndarray
@@ -143,12 +143,13 @@ class Lut(ByContent):
     def to_xarray(self):
         """An xarray.Dataset: `weights` (side, closure, roughness, tau, view_angle, color), and the report's
         `slice_errors`. Axes have coordinates, and units are attributes; `mu_o` is a second coordinate of view_angle.
+        Anisotropic stacks have an axis `azimuth` before tau; their errors have `solved_azimuth`, without coordinates.
         An axis that the table does not have has the single value 0; errors of a table with several roughnesses have no
         such axis, and are those at the base's own roughness. Raises ExtraMissing without xarray."""
         return labelled.dataset(self.header, self.weights)
 
     def image(self) -> np.ndarray:
-        """The weights as an image, float32, shape (height, 64, 4), bottom row first: one strip of tau rows
+        """The weights as an image, float32, shape (height, 64, 4), bottom row first: one strip of rows
         for each closure of each side, alpha 1."""
         sides, closures, rows, columns, _ = self.weights.shape
         texels = np.ones((sides * closures * rows, columns, 4), np.float32)

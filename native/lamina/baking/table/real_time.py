@@ -77,7 +77,8 @@ def _lobe(lut: Lut, every: list[Strip], index: int) -> tuple[np.ndarray | float,
     shapes, azimuths = lut.weights[:, every.index(Strip(closure, SHAPE))], None
     if shaped_lobes.is_oriented(closure):
         shapes = np.concatenate([shapes, lut.weights[:, every.index(Strip(closure, TILT)), ..., :2]], axis=-1)
-        azimuths = np.linspace(0.0, math.pi, shapes.shape[1])[:, None]
+        azimuths = np.linspace(0.0, math.pi, lut.header["axes"]["azimuth"]["count"])
+        azimuths = np.repeat(azimuths, shapes.shape[1] // len(azimuths))[:, None]
     return shapes[..., 0].astype(float) ** 2, shaped_lobes.albedos(shapes, view_cosines(), azimuths)
 
 
