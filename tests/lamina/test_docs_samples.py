@@ -12,7 +12,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
-@pytest.mark.parametrize(("page", "least"), [("docs/python.md", 10), ("docs/inverse.md", 9), ("README.md", 1)])
+@pytest.mark.parametrize(("page", "least"), [("docs/python.md", 10), ("docs/inverse.md", 9), ("docs/gallery.md", 4),
+                                              ("README.md", 1)])
 def test_every_sample_runs(page, least, tmp_path):
     """Samples run in sequence, in an empty folder; they contain assertions of their own."""
     samples = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
