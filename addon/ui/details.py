@@ -6,7 +6,7 @@ from ..kinds import boundaries, media
 from ..kinds.bases import BASES
 from ..kinds.measured import TableText
 from ..stack_json import phases, profiles, solved_colours
-from .fields import NO_ALBEDO, draw_color, draw_number, is_infinite, labelled, split
+from .fields import NO_ALBEDO, draw_color, draw_number, draw_shown_color, is_infinite, labelled, split
 
 
 def draw_layer(layout, layer):
@@ -68,6 +68,8 @@ def _draw_end(column, layer, end):
     """The numbers of a medium at its top, the layer itself, or at its bottom."""
     if layer.mode == "colour":
         _draw_albedo(column, end)
+    elif layer.mode == "optical":
+        draw_shown_color(column, end)
     elif layer.mode == "coefficients":
         for field in media.BY_COEFFICIENTS.local:
             draw_number(column, end, field)

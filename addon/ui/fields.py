@@ -113,7 +113,13 @@ def draw_color(column, layer, end):
     elif layer.mode == "pigment":
         for quantity in (media.PIGMENT, media.AMOUNT):
             draw_number(column, layer, quantity)
-    if native.available():  # otherwise the color is unknown, and the swatch black
+    if layer.mode != "optical":  # then the panel has the albedo, and Advanced the color
+        draw_shown_color(column, end)
+
+
+def draw_shown_color(column, end):
+    """The color of a thick layer, if the native package is there; otherwise the swatch would be black."""
+    if native.available():
         column.prop(end, "shown_colour", text="As Thick Layer")
 
 

@@ -12,6 +12,8 @@ from .fields import split
 from .sentences import draw_progress, draw_sentence
 from .uv_map_field import draw_uv_map
 
+FIRST = 2  # numbers of marble that are not folded: the veins' spacing and width
+
 
 class LAMINA_MT_end_presets(bpy.types.Menu):
     """Presets of one end material; which one is a property of the panel's row."""
@@ -75,27 +77,43 @@ def draw(context, layout):
 def _draw_ends(layout, material, settings):
     column = split(layout.column())
     if settings.source == "MARBLE":
-        _draw_numbers(column, settings, interiors.MARBLE)
-        column.prop(settings, "direction")
+        _draw_numbers(column, settings, interiors.MARBLE[:FIRST])
+        more = _folded(layout, "lamina_vein_shape", "Shape of the Veins")
+        if more is not None:
+            _draw_numbers(more, settings, interiors.MARBLE[FIRST:])
+            more.prop(settings, "direction")
     elif material.node_tree is not None:
         column.prop_search(settings, "node", material.node_tree, "nodes", text="Texture Node")
         if settings.node:
             column.prop(settings, "socket")
     menus = ("LAMINA_MT_end_presets", "LAMINA_MT_vein_presets")
     titles = ("Ground", "Veins") if settings.source == "MARBLE" else ("At 0", "At 1")
-    for title, end, menu in zip(titles, (settings.first, settings.second), menus, strict=True):
+    ends = settings.first, settings.second
+    for title, end, menu in zip(titles, ends, menus, strict=True):
         row = layout.row()
-        row.label(text=f"{title} (per mm)")
+        row.label(text=title)
         row.menu(menu, text=end.preset or "Material")
-        column = split(layout.column())
-        _draw_numbers(column, end, interiors.GROUND)
-    _draw_numbers(split(layout.column()), settings, interiors.BODY)
+    more = _folded(layout, "lamina_vein_numbers", "Coefficients per mm and Surface")
+    if more is not None:
+        for title, end in zip(titles, ends, strict=True):
+            more.label(text=title)
+            _draw_numbers(more, end, interiors.GROUND)
+        _draw_numbers(more, settings, interiors.BODY)
+
+
+def _folded(layout, name, title):
+    """The column of a part that is folded at first; None while it is folded."""
+    header, body = layout.panel(name, default_closed=True)
+    header.label(text=title)
+    return None if body is None else split(body.column())
 
 
 def _draw_output(context, layout, settings):
     obj = context.object
     layout.row().prop(settings, "output", expand=True)
-    column = split(layout.column())
+    column = _folded(layout, "lamina_interior_map", "View, Map and Noise")
+    if column is None:
+        return
     if settings.output == "LIT":
         column.row().prop(settings, "view", expand=True)
     column.row().prop(settings, "map", expand=True)

@@ -5,7 +5,7 @@ import re
 from types import SimpleNamespace
 
 import bpy
-from addon_helpers import drawn, drawn_base, drawn_layer, icosphere, linked
+from addon_helpers import Layout, drawn, drawn_base, drawn_layer, icosphere, linked
 
 GREEK = re.compile("[\u0370-\u03ff]|^(alpha|beta|eta|lambda|mu|sigma|tau)$", re.IGNORECASE)
 
@@ -40,8 +40,54 @@ def test_every_property_in_a_panel_is_described(addon):
     assert silent == []
 
 
-def main_view(addon, material, obj):
-    """What all panels but Advanced draw."""
+class Controls(Layout):
+    """Counts what can be changed or clicked: a row of choices as one control, the buttons beside a list as a part of
+    it, and nothing in folded parts. `headings`: of the folded parts."""
+
+    def __init__(self):
+        super().__init__()
+        self.__dict__.update(controls=[], headings=[])
+
+    def _inside(self, *_args, **_options):
+        inside = Controls()
+        inside.__dict__.update(lines=self.lines, controls=self.controls, headings=self.headings)
+        return inside
+
+    row = column = split = box = grid_flow = _inside
+
+    def panel(self, name, default_closed=False):
+        self.headings.append(name)
+        return Layout(), None if default_closed else self._inside()
+
+    def _add(self, name):
+        if not self.controls or self.controls[-1] != name:
+            self.controls.append(name)
+
+    def prop(self, owner, name, text=None, **options):
+        super().prop(owner, name, text, **options)
+        self._add((name, text) if text else name)
+
+    def prop_enum(self, owner, name, value, text=None, **options):
+        super().prop_enum(owner, name, value, text, **options)
+        self._add(name)
+
+    def operator(self, name, text=None, icon="NONE", **options):
+        if text != "":
+            self._add(name)
+        return super().operator(name, text, icon, **options)
+
+    def menu(self, name, text=None, **options):
+        super().menu(name, text, **options)
+        if text != "":
+            self._add(name)
+
+    def template_list(self, cls, name, *what, **options):
+        super().template_list(cls, name, *what, **options)
+        self._add(cls)
+
+
+def main_view(addon, material, obj, layout=None):
+    """What all panels but Advanced draw. `layout`: in which to draw."""
     themes = bpy.context.preferences.themes
     context = SimpleNamespace(
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), themes=themes),
@@ -54,6 +100,9 @@ def main_view(addon, material, obj):
     every = (panel.LAMINA_PT_main, panel.LAMINA_PT_layers, ui.where_panel.LAMINA_PT_where, panel.LAMINA_PT_base,
              ui.depth_panel.LAMINA_PT_depth)
     draws = [cls.draw for cls in every if cls.wanted(material)]
+    if layout is not None:
+        layout.headings.extend(cls.__name__ for cls in every if cls.wanted(material))
+        return [draw(SimpleNamespace(layout=layout), context) for draw in draws]
     return drawn(lambda layout: [draw(SimpleNamespace(layout=layout), context) for draw in draws])
 
 
@@ -80,6 +129,33 @@ def test_the_main_view_has_no_word_of_the_engine_room(addon, lamina, material, c
         texts += [item.name for item in owner.bl_rna.properties[name].enum_items]
     assert {"Albedo", "Roughness", "Settle Again", "Full Profile", "Lamps Stay", "Compute Interior"} <= set(texts)
     assert [text for text in texts if ENGINE_ROOM.search(text)] == []
+
+
+def test_the_main_view_is_short(addon, lamina, material, call):
+    """Advanced is one more heading. With settled dust the panel has Strength of All Dust, Amount, Slope and Wind."""
+    ball = linked("Ball", icosphere("Ball", 1.0))
+    ball.data.materials.append(material)
+    bpy.context.view_layer.objects.active = ball
+    addon.editing.layer_list.add_layer(material, "interface")
+    material.lamina.active_index = 1
+    counts = {}
+
+    def count(name):
+        layout = Controls()
+        main_view(addon, material, ball, layout)
+        counts[name] = len(layout.controls), sum(heading.startswith("LAMINA") for heading in layout.headings)
+
+    for place in ("EVEN", "PAINTED", "SETTLED"):
+        call(bpy.ops.lamina.place, material, place=place)
+        count(place)
+    call(bpy.ops.lamina.place, material, place="EVEN")
+    material.lamina.layers[1].mode = "coefficients"
+    for depth in ("SURFACE", "SOFT", "EXACT", "VEINS"):
+        assert call(bpy.ops.lamina.depth, material, depth=depth) == {"FINISHED"}
+        count(depth)
+    assert max(headings for _, headings in counts.values()) <= 5, counts
+    more = {name: controls for name, (controls, _) in counts.items() if controls > 12}
+    assert more == {"SETTLED": 14, "SOFT": 13, "EXACT": 13, "VEINS": 18}
 
 
 def test_a_number_of_millimetres_says_so_in_its_label(addon, material):
