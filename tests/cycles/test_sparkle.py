@@ -99,4 +99,4 @@ def test_cells_flash_and_fade_as_one_over_the_distance(baked):
     away = np.hypot(10.0, np.arange(PATCHES) + 0.75 - 0.5 * PATCHES)
     off = np.abs((faded - smooth) / (near - smooth) * away / 5.0 - 1.0)
     assert np.median(off) < 1e-3
-    assert off.max() < 0.03  # edges of cells in a pixel are sampled
+    assert np.quantile(off, 0.9) < 0.01  # some pixels sample edges of cells
