@@ -23,7 +23,8 @@ WORDS = {
     **{f"phase.{field.name}": field.panel.words for cls in phases.IN_PANEL for field in cls.fields},
 }
 # Of layers whose fields have other names in the panel than those of media and facets
-OWN_WORDS = {kind: {field.name: field.panel.words for field in all_fields(cls)}
+OWN_WORDS = {kind: {field.name: field.panel.words for field in all_fields(cls)
+                    if not isinstance(field, Option)}
              for kind, cls in DESCRIBED.items()}
 
 _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"

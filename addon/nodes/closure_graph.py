@@ -25,6 +25,7 @@ from . import (
     roughness_graph,
     shader_base_graph,
     side_graph,
+    sparkle_graph,
 )
 from .closure_directions import Directions, UnknownClosureError
 from .shape_sockets import Shapes
@@ -154,6 +155,7 @@ def draw(graph, table, image, recipe_of):
         graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
         factors = covered_graph.Factors(graph, lut, inputs, read).by_role
 
+    sparkle = sparkle_graph.Sparkle(graph, inputs, directions) if sparkle_graph.is_offered(lut) else None
     graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
     widths = covered_graph.Widths(graph, inputs)
     shapes = Shapes(graph, read, directions)
@@ -168,6 +170,8 @@ def draw(graph, table, image, recipe_of):
             weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
         name, metal = (closure, False) if covered else (same[0].name, same[0].metal)
         shader = _closure(graph, line, name, recipe, weight, directions, widths, shapes)
+        if sparkle is not None and sparkle_graph.falls_apart(closure):
+            shader = sparkle.over(name, shapes.by_closure.get(name), weight, shader.node)
         if metal in totals:
             shader = mix_shader.added(graph, 12, line, "", totals[metal], shader)
         totals[metal] = shader

@@ -10,7 +10,7 @@ import bpy
 
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
-from . import principled, principled_graph, shader_base_graph, side_graph
+from . import principled, principled_graph, shader_base_graph, side_graph, sparkle_graph
 from .graph import rgba
 
 COVERAGE, TANGENT = "Coverage", "Tangent"
@@ -33,15 +33,23 @@ INPUTS = (
     (shader_base_graph.SHADER, _SHADER, "The shader below the layers"),
     (shader_base_graph.REFLECTANCE, _COLOR,
      "Mean reflectance of the shader below: its color, or the mean of its colors"),
+    (sparkle_graph.SPARKLE, _NUMBER, "Share of the flakes' light that single flakes throw: 0 is none, 1 all"),
+    (sparkle_graph.SIZE, _NUMBER, "Distance between single flakes in the world"),
+    (sparkle_graph.DISTANCE, _NUMBER,
+     "Distance from the camera beyond which the sparkle fades: a flake is then as wide as a pixel"),
 )
+# Lengths in metres: flakes of 0.5 mm are as wide as a pixel at this distance, through a lens of 50 mm, in a
+# picture 1920 pixels wide.
+SPARKLE = {sparkle_graph.SPARKLE: 0.0, sparkle_graph.SIZE: 5e-4, sparkle_graph.DISTANCE: 1.3}
 
 
 def of_table(lut):
-    """{name: default} of the coverage, the tangent and the inputs that describe the base of `lut`, where it
-    has them; the default is None for a shader and for the tangent."""
+    """{name: default} of the coverage, the tangent, the sparkle and the inputs that describe the base of
+    `lut`, where it has them; the default is None for a shader and for the tangent."""
     coverage = {} if lut.uncovered is None else {COVERAGE: 1.0}
     tangent = {TANGENT: None} if "azimuth" in lut.header["axes"] else {}
-    return coverage | tangent | _of_base(lut)
+    sparkle = SPARKLE if sparkle_graph.is_offered(lut) else {}
+    return coverage | tangent | sparkle | _of_base(lut)
 
 
 def _of_base(lut):
@@ -71,8 +79,10 @@ def add_missing(group, tau, base):
             socket.hide_value = True
         if wanted[name] is not None:
             socket.default_value = wanted[name]
-        if name in (COVERAGE, "Metallic", "Roughness"):
+        if name in (COVERAGE, sparkle_graph.SPARKLE, "Metallic", "Roughness"):
             socket.subtype, socket.min_value, socket.max_value = "FACTOR", 0.0, 1.0
+        if name in (sparkle_graph.SIZE, sparkle_graph.DISTANCE):
+            socket.subtype, socket.min_value = "DISTANCE", 1e-6
         added.append(name)
     return added
 

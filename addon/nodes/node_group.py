@@ -24,6 +24,7 @@ from . import (
     principled,
     principled_graph,
     side_graph,
+    sparkle_graph,
     thin_sheet,
 )
 from .group_sockets import LARGEST
@@ -269,6 +270,7 @@ def _layout(tables):
         "turns over": side_graph.turns_over(lut),
         "size": [axes["view"]["count"], axes["tau"]["count"], closure_graph.roughness_rows(lut)],
     } | ({"azimuth": axes["azimuth"]} if "azimuth" in axes else {})
+    layout |= {"sparkle": True} if sparkle_graph.is_offered(lut) else {}
     return layout | {"uncovered": _layout(more)} if more else layout
 
 

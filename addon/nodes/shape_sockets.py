@@ -2,8 +2,17 @@
 """The sockets of closures that move with the view: their shapes stand in strips of the table."""
 
 import math
+from typing import NamedTuple
 
 from ..kinds.table import SHAPE, TILT, Strip
+
+
+class Shape(NamedTuple):
+    """The shape of a Glossy BSDF, sockets or numbers; the normal has any length."""
+
+    roughness: object
+    anisotropy: object
+    normal: object
 
 
 class Shapes:
@@ -12,6 +21,7 @@ class Shapes:
 
     def __init__(self, graph, read, directions):
         self._graph, self._read, self._directions = graph, read, directions
+        self.by_closure = {}  # the Shape of each closure that moves and does not turn
 
     def link(self, node, closure, line, turns):
         """Roughness, Anisotropy, and the normal N + k I; or, if the closure `turns`, see lamina's
@@ -26,7 +36,9 @@ class Shapes:
         graph.link(roughness, node.inputs["Roughness"])
         graph.link(anisotropy, node.inputs["Anisotropy"])
         towards = graph.scale(9.2, place, "k I", of("I"), tilt)
-        graph.link(graph.vector("ADD", 9.8, place, "N + k I", of("N"), towards), node.inputs["Normal"])
+        normal = graph.vector("ADD", 9.8, place, "N + k I", of("N"), towards)
+        graph.link(normal, node.inputs["Normal"])
+        self.by_closure[closure] = Shape(roughness, anisotropy, normal)
 
     def _link_oriented(self, node, closure, place):
         """Roughness, Anisotropy, Rotation from the tangent, and the normal N + k I + l N x I."""

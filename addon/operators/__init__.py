@@ -15,6 +15,7 @@ from . import (
     measurements,
     place,
     presets,
+    sparkle,
     stack,
     stack_files,
 )
@@ -59,6 +60,7 @@ CLASSES = (
     place.LAMINA_OT_stamp,
     place.LAMINA_OT_film_paint,
     depth.LAMINA_OT_depth,
+    sparkle.LAMINA_OT_sparkle,
     cancel.LAMINA_OT_cancel,
 )
 

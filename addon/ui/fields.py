@@ -8,7 +8,7 @@ import math
 
 from ..base import native, preferences
 from ..base.decimals import shortest
-from ..editing import metals
+from ..editing import metals, sparkle
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Conductor, Measured
 from ..kinds.fields import Option, panel_fields
@@ -83,6 +83,17 @@ def _draw_described(column, layer):
         column.row().prop(layer, cls.form_prop, expand=True)
     for field in panel_fields(cls, layer):
         draw_number(column, layer, field)
+    if layer.kind == "flakes":
+        _draw_sparkle(column, layer.id_data)
+
+
+def _draw_sparkle(column, material):
+    is_on = sparkle.is_on(material)
+    if is_on:
+        for name, socket in sparkle.sockets(material).items():
+            if not socket.is_linked:
+                column.prop(socket, "default_value", text=name)
+    column.operator("lamina.sparkle", text="Fade by Camera" if is_on else "Sparkle", icon="SHADERFX")
 
 
 def _draw_medium(column, layer):

@@ -28,6 +28,10 @@ REFLECTANCE = Field("reflectance", 0.0, 1.0, panel=Panel(
 BY_COLOUR = Form((REFLECTANCE,), Item("colour", "Color", "Flakes that reflect this color at all angles: pearl", 0))
 BY_METAL = Form(tuple(Conductor.forms[1]), Item(
     "metal", "Metal", "Flakes of a metal, by the colors that it shows facing and grazing", 1))
+BY_SPECTRUM = Form(tuple(Conductor.forms[2]), Item(
+    "spectrum", "Spectrum", "Flakes of a metal, by its published index at each wavelength", 2))
+BY_INDEX = Form(tuple(Conductor.forms[0]), Item(
+    "indices", "Index", "Flakes of a metal, by its complex refractive index, per channel", 3))
 VARYING = Option("varying", (False, True), "Varying Thickness",
                  "Give the node group a Thickness input for the layer of flakes")
 
@@ -37,9 +41,10 @@ class Flakes(Hashable):
     """A layer of flakes, small mirrors whose normals are spread about the layer's normal. Light may be reflected by any
     number of them. Each quantity is a number or one per channel.
 
-    Either `reflectance`, of a flake at all angles, in [0, 1], or a metal by its two colours in air, `facing` and
-    `grazing`, see Conductor and lamina.metals.flakes; its Fresnel factor is that in the binder. Pearl flakes, which
-    pass the light that they do not reflect, are flakes of reflectance 1 with `tau` times their reflectance.
+    Either `reflectance`, of a flake at all angles, in [0, 1], or a metal as a Conductor has it: by its two colours in
+    air, `facing` and `grazing`, see lamina.metals.flakes; by its index, `eta` + i `k`; or by its name, `metal`. Its
+    Fresnel factor is that in the binder. Pearl flakes, which pass the light that they do not reflect, are flakes of
+    reflectance 1 with `tau` times their reflectance.
 
     `tau`: optical thickness of the flakes along the normal, [0, 1000]: exp(-tau) of a beam along the normal
     meets none. Along a ray of cosine mu, their optical thickness is tau sqrt(mu^2 + alpha^2 (1 - mu^2)) / mu. `alpha`:
@@ -58,16 +63,17 @@ class Flakes(Hashable):
     binder: Channels = 0.0
     name: str = ""
     varying: bool = False
+    eta: Channels | None = None
+    k: Channels | None = None
+    metal: str | None = None
 
     kind = "flakes"
-    forms = (BY_COLOUR, BY_METAL)
+    forms = (BY_COLOUR, BY_METAL, BY_SPECTRUM, BY_INDEX)
     form_prop = "flake_form"
     fields = (AMOUNT, SPREAD, TINT)
     options = (VARYING,)
     rare = ()
     has_phase = False
-    eta = None
-    k = None
     item = Item(kind, "Flakes", "Small mirrors that lie nearly flat: metallic and pearl paint", 3, icon="PARTICLES")
 
     def optics(self, index: int) -> tuple[float, float]:

@@ -98,6 +98,8 @@ def _colour_of(stack: Stack, number: int, layer: Medium) -> list[float]:
 
 
 def _colour_of_flakes(layer: OrientedLayer, channels: int) -> list[float]:
+    if isinstance(layer, Flakes) and layer.eta is not None and layer.k is not None:
+        return [_facing(channel(layer.eta, c), channel(layer.k, c)) for c in range(channels)]
     colour = layer.facing if isinstance(layer, Flakes) and layer.reflectance is None else layer.reflectance
     return [channel(colour, c) for c in range(channels)]
 

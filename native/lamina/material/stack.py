@@ -114,7 +114,7 @@ class Stack(Requirements):
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
         for number, layer in enumerate(checked):
-            if isinstance(layer, Flakes) and layer.facing is not None:
+            if isinstance(layer, Flakes) and layer.reflectance is None:
                 self.flake_indices(number)
 
     def _repr_html_(self) -> str:
@@ -250,7 +250,7 @@ class Stack(Requirements):
         return channel(eta, channel_index), channel(k, channel_index)
 
     def flake_indices(self, layer: int) -> tuple:
-        """(eta, k), numbers or one per channel, of the metal of a layer of flakes that is given by two colours."""
+        """(eta, k), numbers or one per channel, of the metal of a layer of flakes."""
         flakes = self.layers[layer]
         assert isinstance(flakes, Flakes)
         return indices_of(flakes, self.channels, f"layers[{layer}]")

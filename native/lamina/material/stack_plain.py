@@ -57,7 +57,7 @@ def canonical_layer(stack: Stack, index: int, albedos) -> dict:
         }
     entry = _canonical(layer, stack.channels)
     if isinstance(layer, Flakes):
-        form = layer.forms[0 if layer.facing is None else 1]
+        form = next(form for form in layer.forms if getattr(layer, form.fields[0].name) is not None)
         entry |= {one.name: [channel(getattr(layer, one.name), c) for c in channels] for one in form}
     return entry
 

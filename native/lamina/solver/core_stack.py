@@ -59,7 +59,7 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
 def _metal_of(stack: Stack, number: int, index: int, ior: float) -> tuple[complex, ...]:
     """The index of metal flakes in one channel, relative to that of their binder; nothing for other flakes."""
     layer = stack.layers[number]
-    if not isinstance(layer, Flakes) or layer.facing is None:
+    if not isinstance(layer, Flakes) or layer.reflectance is not None:
         return ()
     eta, k = stack.flake_indices(number)
     return (complex(channel(eta, index), channel(k, index)) / ior,)

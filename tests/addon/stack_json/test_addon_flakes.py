@@ -20,6 +20,18 @@ def test_an_artists_words(addon, flakes):
     assert "Flake Color" not in drawn_layer(addon, flakes)
 
 
+def test_a_metal_by_its_spectrum(addon, material, flakes):
+    flakes.flake_form, flakes.metal = "spectrum", "copper"
+    assert "Metal" in drawn_layer(addon, flakes)
+    stack = addon.editing.stack_io.to_stack(material)
+    layer = next(layer for layer in stack.to_json()["layers"] if layer["kind"] == "flakes")
+    assert layer["metal"] == "copper"
+    addon.editing.stack_io.assign_stack(material, stack)
+    again = next(layer for layer in material.lamina.layers if layer.kind == "flakes")
+    assert (again.flake_form, again.metal) == ("spectrum", "copper")
+    assert addon.editing.stack_io.to_stack(material).hash == stack.hash
+
+
 def test_facts_in_the_list(addon, flakes):
     flakes.flake_tau, flakes.flake_alpha = 0.8, 0.15
     assert addon.ui.fields.facts(flakes) == "amount 0.8, spread 0.15"

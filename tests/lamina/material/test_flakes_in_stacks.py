@@ -10,7 +10,9 @@ from lamina import Flakes, Interface, Lambert, Medium, Stack, StackError
 
 FLAKES = [Flakes(1.0, 0.2, reflectance=0.9),
           Flakes([0.5, 1.0, 2.0], 0.3, reflectance=[0.9, 0.8, 0.7], binder=0.2, name="Pearl", varying=True),
-          lamina.metals.flakes("gold", 0.5, 0.15)]
+          lamina.metals.flakes("gold", 0.5, 0.15),
+          Flakes(0.5, 0.15, eta=[0.2, 0.4, 1.3], k=[3.2, 2.4, 1.9]),
+          Flakes(0.5, 0.15, metal="copper")]
 
 
 @pytest.mark.parametrize("flakes", FLAKES)
@@ -41,7 +43,10 @@ def test_pearl_by_optical_thickness():
     ({"alpha": 0.05, "reflectance": 0.5}, r"layers\[0\].alpha = 0.05: must lie in \[0.1, 1\]"),
     ({"alpha": [0.2, 0.3], "reflectance": 0.5}, r"layers\[0\].alpha .* must be one number for all channels"),
     ({"reflectance": 1.5}, r"layers\[0\].reflectance = 1.5: must lie in \[0, 1\]"),
-    ({}, r"layers\[0\] has no coefficients: must have either reflectance or facing, grazing"),
+    ({}, r"layers\[0\] has no coefficients: must have either reflectance or facing, grazing or metal or eta, k"),
+    ({"reflectance": 0.5, "metal": "gold"}, r"layers\[0\] has two forms"),
+    ({"metal": "unobtainium"}, r"layers\[0\].metal = 'unobtainium': must be \"gold\" or \"aluminium\""),
+    ({"eta": 1.0}, r"layers\[0\].k is missing"),
     ({"reflectance": 0.5, "facing": 0.5, "grazing": 0.6}, r"layers\[0\] has two forms"),
     ({"facing": 0.9}, r"layers\[0\].grazing is missing"),
     ({"facing": 0.9, "grazing": 0.1}, r"layers\[0\].grazing = 0.1: a metal of facing colour 0.9 shows between"),
@@ -59,6 +64,25 @@ def test_bad_values(values, words):
 def test_one_layer_varies():
     with pytest.raises(StackError, match=r"layers\[1\].varying = true: only one medium may vary"):
         Stack([Medium(0.5, 1.0, varying=True), Flakes(1.0, 0.2, reflectance=0.5, varying=True)])
+
+
+def test_a_named_metal_is_its_index_at_each_wavelength():
+    nm = [450.0, 550.0, 650.0]
+    stack = Stack([Flakes(0.5, 0.15, metal="copper")], Lambert(0.1), wavelengths=nm)
+    base = Stack([], lamina.Conductor(metal="copper"), wavelengths=nm)
+    assert list(zip(*stack.flake_indices(0), strict=True)) == [base.indices(c) for c in range(3)]
+
+
+def test_a_named_metal_looks_like_the_metal_by_its_colours():
+    """Few flakes, which reflect light once: later reflections deepen spectra more than their colours. In air both
+    colours are those of the published index, in a binder they are a good guess."""
+    def of(flakes, above):
+        stack = Stack([Interface(1.5)] * above + [flakes], Lambert(0.0))
+        return stack.seen(lamina.solve(stack).reflectance("diffuse"))
+
+    for above, most in ((0, 0.005), (1, 0.02)):
+        spectral = of(Flakes(0.02, 0.2, metal="copper"), above)
+        assert spectral == pytest.approx(of(lamina.metals.flakes("copper", 0.02, 0.2), above), rel=most)
 
 
 def test_unknown_metal():
