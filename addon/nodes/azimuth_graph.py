@@ -9,10 +9,10 @@ tangent does not matter, and azimuths are those in half a turn.
 
 import math
 
+from .graph import NEVER_ZERO
 from .group_sockets import TANGENT
 
 LEAST = 1e-9  # radians that no one sees
-NEVER_ZERO = (0.61e-4, 1.07e-4, 1.57e-4)  # a mesh without a UV map has no tangent: any direction
 
 
 def rows(lut):

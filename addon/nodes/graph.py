@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Helpers that build a shader graph: nodes on a grid, in labelled frames."""
 
+NEVER_ZERO = (0.61e-4, 1.07e-4, 1.57e-4)  # added to a tangent, which a mesh without a UV map lacks
 COLUMN = 190.0
 ROW = 44.0
 

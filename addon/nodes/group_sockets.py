@@ -13,7 +13,7 @@ from ..kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
 from . import principled, principled_graph, shader_base_graph, side_graph, sparkle_graph
 from .graph import rgba
 
-COVERAGE, TANGENT = "Coverage", "Tangent"
+COVERAGE, TANGENT = "Coverage", principled.TANGENT
 LARGEST = 1.0e6  # the panel's largest optical thickness
 
 _COLOR, _NUMBER, _SHADER = "NodeSocketColor", "NodeSocketFloat", "NodeSocketShader"

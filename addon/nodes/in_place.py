@@ -10,7 +10,7 @@ from . import before, links, mix_shader, own_nodes, principled, shader_base_grap
 from .graph import COLUMN, ROW, Graph
 
 # Inputs of the layers' node that a Principled BSDF has too.
-_SHARED = ("Base Color", "Metallic", "Roughness", "Normal")
+_SHARED = ("Base Color", "Metallic", "Roughness", "Normal", principled.TANGENT)
 
 _AFTER = ("ADD_SHADER", "MIX_SHADER")  # nodes that follow the layers' node
 # These and what they add.

@@ -11,6 +11,7 @@ import bpy
 
 from ..base import image_removal, native, renders
 from ..kinds.bases import PrincipledBase
+from ..kinds.table import PRINCIPLED, Strip, strips_of
 from . import (
     before,
     closure_graph,
@@ -47,7 +48,7 @@ def build(material, lut):
     image = lut_image.create(f"Lamina {material.name}", tables)
     tau = closure_graph.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
-    base = group_sockets.of_table(lut)
+    base = _inputs(material, lut)
     added = group_sockets.add_missing(group, tau, base)
     is_thin = thin_sheet.add_missing(group, lut)
     try:
@@ -86,7 +87,7 @@ def build(material, lut):
         for node in group_nodes(material)[:1]:
             in_place.settle_after(material, node)
     group["lamina_base_kind"] = kind
-    principled_graph.keep_distribution(group, _replaced(material))
+    principled_graph.keep_facets(group, _replaced(material))
     for node in group_nodes(material):
         thin_sheet.connect(material, node)
     return group
@@ -108,17 +109,30 @@ def update(material, lut):
     images = images_of(group.nodes)
     if not images or not set(wanted["drawn"]) <= set(drawn["drawn"]):
         return False
+    base = _inputs(material, lut)
+    if (group_sockets.TANGENT in base) != (group_sockets.TANGENT in group_sockets.named(group, "INPUT")):
+        return False
     tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
     if tau is not None and old_tau != min(tau, LARGEST):
         closure_graph.rescale(group, tables[0])
-        group_sockets.settle(group, tau, group_sockets.of_table(lut))
+        group_sockets.settle(group, tau, base)
         group["lamina_largest_tau"] = min(tau, LARGEST)
         group_sockets.follow_thickness(group, old_tau, tau)
-    group_sockets.follow_base(group, group_sockets.of_table(lut))
+    group_sockets.follow_base(group, base)
     _replace_images(images, lut_image.create(f"Lamina {material.name}", tables))
-    principled_graph.keep_distribution(group, _replaced(material))
+    principled_graph.keep_facets(group, _replaced(material))
     _note_origin(group, lut)
     return True
+
+
+def _inputs(material, lut):
+    """{name: default} of the group's inputs for `lut`, see group_sockets.of_table, with the tangent of a
+    Principled BSDF whose own facets the group shows."""
+    base = group_sockets.of_table(lut)
+    if Strip(role=PRINCIPLED) not in strips_of(lut.header):
+        return base
+    node = _replaced(material) or principled.find(material)
+    return base | ({group_sockets.TANGENT: None} if node is not None and principled.has_tangent(node) else {})
 
 
 def _replaced(material):

@@ -20,7 +20,8 @@ SOCKETS = {
     "coat_roughness": "Coat Roughness",
     "coat_ior": "Coat IOR",
 }
-NORMAL, ALPHA = "Normal", "Alpha"
+NORMAL, ALPHA, TANGENT = "Normal", "Alpha", "Tangent"
+ANISOTROPY = ("Anisotropic", "Anisotropic Rotation")
 EMISSION, STRENGTH = "Emission Color", "Emission Strength"
 COAT, COAT_IOR, COAT_NORMAL = "Coat Weight", "Coat IOR", "Coat Normal"
 
@@ -44,16 +45,19 @@ class _Part:
     is_large: bool = False
 
 
+_ANISOTROPIC = _Part("anisotropic highlights", ANISOTROPY[0])
 _PARTS = (
     _Part("subsurface scattering", "Subsurface Weight", under="dielectric", is_large=True),
     _Part("transmission", "Transmission Weight", under="dielectric", is_large=True),
     _Part("sheen", "Sheen Weight", is_large=True),
     _Part("thin film", "Thin Film Thickness"),
-    _Part("anisotropic highlights", "Anisotropic"),
+    _ANISOTROPIC,
     _Part("rough diffuse light", "Diffuse Roughness", under="dielectric"),
     _Part("tint of the specular highlights", "Specular Tint", _WHITE),
     _Part("tint of the coat", "Coat Tint", _WHITE, under="coat"),
 )
+# Anisotropy that is no texture is carried by the BSDF itself, but not by other closures.
+_NOT_BY_CLOSURES = " for light that the layers scatter, and below interfaces"
 _UNDER = {"ior": "dielectric", "specular": "dielectric", "coat_roughness": "coat", "coat_ior": "coat"}
 
 
@@ -93,7 +97,8 @@ def described(node):
     texts have equal effects on the layers. Values that textures or animations set are left out."""
     found = [node.distribution]
     of_emission = (EMISSION, STRENGTH, COAT_NORMAL) if emits(node) else ()
-    for name in (*SOCKETS.values(), NORMAL, ALPHA, *of_emission):
+    of_facets = (*ANISOTROPY, TANGENT) if _matters(node, ANISOTROPY[0], 0.0) else ()
+    for name in (*SOCKETS.values(), NORMAL, ALPHA, *of_emission, *of_facets):
         socket = node.inputs[name]
         fed = links.feed(socket)
         by = None if fed is None else [fed.socket.node.name, fed.socket.identifier, fed.muted]
@@ -101,6 +106,17 @@ def described(node):
         value = [] if is_set else _numbers(socket.default_value)
         found.append([by, socket_animation.is_animated(socket), value])
     return json.dumps(found)
+
+
+def anisotropy(node):
+    """The values of the sockets ANISOTROPY. All are 0 if a texture or an animation sets one of them."""
+    sockets = [node.inputs[name] for name in ANISOTROPY]
+    return [0.0 if any(map(_changes, sockets)) else socket.default_value for socket in sockets]
+
+
+def has_tangent(node):
+    """True if the node is anisotropic, as layers carry it, about a tangent that a link gives."""
+    return anisotropy(node)[0] > 0.0 and links.source(node.inputs[TANGENT]) is not None
 
 
 def emits(node):
@@ -129,6 +145,9 @@ def not_carried(node):
     """What layers over the node cannot carry or carry with a change: a list of short texts, without what has
     no effect on the picture."""
     texts = [part.words for part in _missing(node)]
+    if anisotropy(node)[0] > 0.0:
+        place = texts.index(_ANISOTROPIC.words)
+        texts[place] += _NOT_BY_CLOSURES
     if is_coated(node) and links.source(node.inputs[COAT_NORMAL]) != links.source(node.inputs[NORMAL]):
         texts.append("normal of the coat (that of the surface is used)")
     for name, socket in SOCKETS.items():

@@ -3,7 +3,7 @@
 its weight is the share of its light that the layers neither scatter nor absorb."""
 
 from . import mix_shader, principled
-from .graph import rgba
+from .graph import NEVER_ZERO, rgba
 
 _LABEL = "base"
 
@@ -19,6 +19,9 @@ def beside(graph, lut, inputs, normal, weight, layers):
         else:
             bsdf.inputs[socket].default_value = value(name, base[name])
     graph.link(normal, bsdf.inputs["Normal"])
+    if principled.TANGENT in inputs.outputs:
+        tangent = graph.vector("ADD", 9.4, -3, "never zero", inputs.outputs[principled.TANGENT], NEVER_ZERO)
+        graph.link(tangent, bsdf.inputs[principled.TANGENT])
     if base["coat"][0] > 0.0:
         graph.link(normal, bsdf.inputs["Coat Normal"])
     for socket in bsdf.inputs:
@@ -27,12 +30,16 @@ def beside(graph, lut, inputs, normal, weight, layers):
     return mix_shader.added(graph, 13.2, -2, "layers and base", layers, weighted)
 
 
-def keep_distribution(group, replaced):
-    """Give the BSDF inside the node group the microfacet distribution of the BSDF `replaced`, which it stands
-    for; None: that of a new BSDF. With GGX, light is lost between facets, and rough metals are darker."""
+def keep_facets(group, replaced):
+    """Give the BSDF inside the node group the microfacet distribution and the anisotropy of the BSDF
+    `replaced`, which it stands for; None: those of a new BSDF. With GGX, light is lost between facets, and
+    rough metals are darker."""
     for node in group.nodes:
         if node.type == "BSDF_PRINCIPLED" and node.label == _LABEL:
             node.distribution = replaced.distribution if replaced is not None else "MULTI_GGX"
+            given = principled.anisotropy(replaced) if replaced is not None else (0.0, 0.0)
+            for name, number in zip(principled.ANISOTROPY, given, strict=True):
+                node.inputs[name].default_value = number
 
 
 def value(name, channels):

@@ -18,7 +18,8 @@ LOST = {
     "gltf alpha": [],
     "obj": ["texture of Specular IOR Level (the number 0.5 is used instead)"],
     "glow": ["dimming of the emission (it shines above the layers)"],
-    "everything": ["subsurface scattering", "transmission", "sheen", "thin film", "anisotropic highlights",
+    "everything": ["subsurface scattering", "transmission", "sheen", "thin film",
+                   "anisotropic highlights for light that the layers scatter, and below interfaces",
                    "tint of the specular highlights", "tint of the coat"],
 }
 
@@ -92,6 +93,15 @@ def test_ggx_and_emission_below_a_rough_coat_are_named(addon, node):
 def test_a_number_out_of_range_is_named_and_clipped(addon, node):
     assert lost(addon, node, Base_Color=(2.0, 0.5, 0.5, 1.0)) == ["Base Color 2, 0.5, 0.5 (must lie in [0, 1])"]
     assert addon.nodes.principled.values(node)["color"] == (1.0, 0.5, 0.5)
+
+
+def test_a_texture_of_anisotropy_is_named(addon, node):
+    tree = node.id_data
+    assert lost(addon, node, Anisotropic=0.5)[0].startswith("anisotropic highlights for light that")
+    assert addon.nodes.principled.anisotropy(node) == [0.5, 0.0]
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], node.inputs["Anisotropic Rotation"])
+    assert lost(addon, node) == ["anisotropic highlights"]
+    assert addon.nodes.principled.anisotropy(node) == [0.0, 0.0]
 
 
 def test_a_linked_or_animated_number_is_named(addon, node):

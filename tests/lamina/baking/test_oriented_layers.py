@@ -134,3 +134,15 @@ def test_a_painted_film_has_tables_with_and_without_it():
         exact = lamina.solve(of, "preview").reflectance(mu_o, phi=phi_o)
         albedo = lut.reflectance(mu_o, phi_o=phi_o, coverage=share)
         assert albedo == pytest.approx(np.broadcast_to(exact, albedo.shape), rel=5e-3)
+
+
+def test_a_dataset_has_both_axes(dusty):
+    pytest.importorskip("xarray")
+    data, axes = dusty.to_xarray(), dusty.header["axes"]
+    assert dict(data.weights.sizes)["azimuth"] == axes["azimuth"]["count"]
+    assert data.azimuth.values[0] == pytest.approx(0.4)
+    closure, turn, row, column = 4, 5, 3, 20
+    texel = data.weights.isel(side=0, closure=closure, roughness=0, azimuth=turn, tau=row, view_angle=column)
+    assert np.array_equal(texel, dusty.weights[0, closure, turn * axes["tau"]["count"] + row, column])
+    worst = data.slice_errors.sel(view_angle=data.view_angle[data.mu_o >= 0.05]).max()
+    assert float(worst) == pytest.approx(dusty.report["worst_slice"]["error"], abs=1e-5)

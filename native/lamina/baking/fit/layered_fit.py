@@ -22,7 +22,7 @@ LOBES = 2
 # Solved thicknesses to which the shapes of these lobes are fitted, in one channel.
 SHAPED = (2, 4, 6)
 # Azimuths in a quarter turn to which they are fitted, at least.
-FEWEST_AZIMUTHS = 7
+FEWEST_AZIMUTHS = 3
 # One lobe is enough for the stack without the layer if its slices have this mean error before the lobes for the layer.
 ENOUGH = 0.02
 
