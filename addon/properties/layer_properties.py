@@ -13,7 +13,7 @@ from ..base import changes, decimals
 from ..kinds import bases, boundaries, media, phases
 from ..kinds import metals as metal_table
 from ..kinds.fields import all_fields
-from ..kinds.flakes import Flakes
+from ..kinds.flakes import PEARL, Flakes
 from ..kinds.layers import DESCRIBED
 from ..stack_json import solved_colours
 from .described import choice, entries, having, number, option, per_channel, quantities, switch, text
@@ -160,6 +160,7 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     flake_form: choice(
         "Flakes of", entries(form.item for form in Flakes.forms), "What the flakes are made of"
     )
+    pearl: option(PEARL)
     varying: switch(
         "Varying",
         "Give the node group an input: of a medium, flakes or fibers the Thickness, from 0 to this layer's "

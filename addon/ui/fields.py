@@ -12,6 +12,7 @@ from ..editing import metals, sparkle
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Conductor, Measured
 from ..kinds.fields import Option, panel_fields
+from ..kinds.flakes import BY_COLOUR
 from ..kinds.layers import DESCRIBED
 from ..stack_json import profiles, solved_colours
 
@@ -84,6 +85,8 @@ def _draw_described(column, layer):
     for field in panel_fields(cls, layer):
         draw_number(column, layer, field)
     if layer.kind == "flakes":
+        if layer.flake_form == BY_COLOUR.item.id:
+            column.prop(layer, "pearl")
         _draw_sparkle(column, layer.id_data)
 
 

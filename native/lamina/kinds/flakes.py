@@ -35,6 +35,9 @@ BY_INDEX = Form(tuple(Conductor.forms[0]), Item(
 VARYING = Option("varying", (False, True), "Varying Thickness",
                  "Give the node group a Thickness input for the layer of flakes")
 
+PEARL = Option("pearl", (False, True), "Pearl",
+               "What the flakes do not reflect passes through them, as in mica; otherwise they absorb the rest")
+
 
 @dataclass(frozen=True)
 class Flakes(Hashable):
@@ -43,15 +46,16 @@ class Flakes(Hashable):
 
     Either `reflectance`, of a flake at all angles, in [0, 1], or a metal as a Conductor has it: by its two colours in
     air, `facing` and `grazing`, see lamina.metals.flakes; by its index, `eta` + i `k`; or by its name, `metal`. Its
-    Fresnel factor is that in the binder. Pearl flakes, which pass the light that they do not reflect, are flakes of
-    reflectance 1 with `tau` times their reflectance.
+    Fresnel factor is that in the binder. `pearl`: flakes with a `reflectance` pass straight what they do not reflect,
+    instead of absorbing; metals always absorb.
 
-    `tau`: optical thickness of the flakes along the normal, [0, 1000]: exp(-tau) of a beam along the normal
-    meets none. Along a ray of cosine mu, their optical thickness is tau sqrt(mu^2 + alpha^2 (1 - mu^2)) / mu. `alpha`:
-    the spread of the normals, [.1, 1], one number: the area that the flakes show to a ray along the layer, relative to
-    that along the normal; 1 is isotropic. `binder`: optical thickness of the absorbing medium between the flakes along
-    the normal, [0, 1000]. Its index is that of the Interface above. `varying` marks the one layer whose thickness
-    becomes an input of the baked material: `tau` and `binder` are then the largest ones.
+    `tau`: optical thickness of the flakes along the normal, [0, 1000]: exp(-tau) of a beam along the normal meets none;
+    of pearl flakes the light that they reflect is lost to a beam. Along a ray of cosine mu, their optical thickness is
+    tau sqrt(mu^2 + alpha^2 (1 - mu^2)) / mu. `alpha`: the spread of the normals, [.1, 1], one number: the area that the
+    flakes show to a ray along the layer, relative to that along the normal; 1 is isotropic. `binder`: optical thickness
+    of the absorbing medium between the flakes along the normal, [0, 1000]. Its index is that of the Interface above.
+    `varying` marks the one layer whose thickness becomes an input of the baked material: `tau` and `binder` are then
+    the largest ones.
 
     Source: Heitz, Dupuy, Crassin and Dachsbacher 2015, "The SGGX microflake distribution", with specular flakes."""
 
@@ -66,12 +70,13 @@ class Flakes(Hashable):
     eta: Channels | None = None
     k: Channels | None = None
     metal: str | None = None
+    pearl: bool = False
 
     kind = "flakes"
     forms = (BY_COLOUR, BY_METAL, BY_SPECTRUM, BY_INDEX)
     form_prop = "flake_form"
     fields = (AMOUNT, SPREAD, TINT)
-    options = (VARYING,)
+    options = (VARYING, PEARL)
     rare = ()
     has_phase = False
     item = Item(kind, "Flakes", "Small mirrors that lie nearly flat: metallic and pearl paint", 3, icon="PARTICLES")
@@ -79,11 +84,15 @@ class Flakes(Hashable):
     def optics(self, index: int) -> tuple[float, float]:
         """(albedo, tau) of one channel along the normal, of flakes and binder; of metal flakes without their Fresnel
         factor."""
-        tau, binder = channel(self.tau, index), channel(self.binder, index)
-        reflected = 1.0 if self.reflectance is None else channel(self.reflectance, index)
-        return reflected * self.share(index), tau + binder
+        reflected = 1.0 if self.reflectance is None or self.pearl else channel(self.reflectance, index)
+        tau = channel(self.tau, index) * self.taken(index) + channel(self.binder, index)
+        return reflected * self.share(index), tau
+
+    def taken(self, index: int) -> float:
+        """The share of the light that meets a flake and does not pass it, in one channel."""
+        return channel(self.reflectance, index) if self.pearl and self.reflectance is not None else 1.0
 
     def share(self, index: int) -> float:
         """The share of the flakes in the extinction along the normal, in one channel."""
-        tau, binder = channel(self.tau, index), channel(self.binder, index)
+        tau, binder = channel(self.tau, index) * self.taken(index), channel(self.binder, index)
         return 1.0 if binder == 0.0 else tau / (tau + binder)

@@ -62,7 +62,10 @@ def _amounts(stack: Stack, flakes: OrientedLayer, taus) -> dict:
         return {"tau": areas[0] if len(set(areas)) == 1 else areas}
     shares = [flakes.share(min(index, stack.channels - 1)) for index in range(_count(stack, taus))]
     whole = [channel(taus, index) for index in range(len(shares))]
-    parts = {"tau": [tau if share == 1.0 else share * tau for share, tau in zip(shares, whole, strict=True)],
+    taken = [flakes.taken(min(index, stack.channels - 1)) for index in range(len(shares))]
+    # Pearl flakes that reflect nothing in a channel have no thickness there.
+    shown = [tau if of == 1.0 else tau / of if of > 0.0 else 0.0 for tau, of in zip(whole, taken, strict=True)]
+    parts = {"tau": [area if share == 1.0 else share * area for share, area in zip(shares, shown, strict=True)],
              "binder": [0.0 if share == 1.0 else (1.0 - share) * tau for share, tau in zip(shares, whole, strict=True)]}
     return {name: values[0] if len(set(values)) == 1 else tuple(values) for name, values in parts.items()}
 

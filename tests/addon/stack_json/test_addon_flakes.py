@@ -32,6 +32,18 @@ def test_a_metal_by_its_spectrum(addon, material, flakes):
     assert addon.editing.stack_io.to_stack(material).hash == stack.hash
 
 
+def test_pearl(addon, material, flakes):
+    flakes.pearl = True
+    assert "Pearl" in drawn_layer(addon, flakes)
+    layer = next(one for one in addon.editing.stack_io.to_dict(material)["layers"] if one["kind"] == "flakes")
+    assert layer["pearl"] is True
+    addon.editing.stack_io.assign(material, addon.editing.stack_io.to_dict(material))
+    assert next(one for one in material.lamina.layers if one.kind == "flakes").pearl
+    flakes = next(one for one in material.lamina.layers if one.kind == "flakes")
+    flakes.flake_form = "metal"
+    assert "Pearl" not in drawn_layer(addon, flakes)
+
+
 def test_facts_in_the_list(addon, flakes):
     flakes.flake_tau, flakes.flake_alpha = 0.8, 0.15
     assert addon.ui.fields.facts(flakes) == "amount 0.8, spread 0.15"

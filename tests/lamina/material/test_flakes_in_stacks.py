@@ -7,12 +7,16 @@ import pytest
 
 import lamina
 from lamina import Flakes, Interface, Lambert, Medium, Stack, StackError
+from lamina.kinds.fields import channel
+from lamina.material.thickness import with_thickness
+from lamina.solver.core_stack import core_stack
 
 FLAKES = [Flakes(1.0, 0.2, reflectance=0.9),
           Flakes([0.5, 1.0, 2.0], 0.3, reflectance=[0.9, 0.8, 0.7], binder=0.2, name="Pearl", varying=True),
           lamina.metals.flakes("gold", 0.5, 0.15),
           Flakes(0.5, 0.15, eta=[0.2, 0.4, 1.3], k=[3.2, 2.4, 1.9]),
-          Flakes(0.5, 0.15, metal="copper")]
+          Flakes(0.5, 0.15, metal="copper"),
+          Flakes(0.5, 0.15, reflectance=[0.3, 0.2, 0.1], pearl=True)]
 
 
 @pytest.mark.parametrize("flakes", FLAKES)
@@ -30,11 +34,32 @@ def test_hashes():
         return Stack([Flakes(**{"tau": 1.0, "alpha": 0.2, "reflectance": 0.9, **more})], Lambert([0.5, 0.5, 0.5])).hash
 
     assert of(name="a") == of(reflectance=[0.9] * 3)
-    assert len({of(), of(tau=2.0), of(alpha=0.3), of(reflectance=0.8), of(binder=0.1), of(varying=True)}) == 6
+    others = of(pearl=True), of(tau=2.0), of(alpha=0.3), of(reflectance=0.8), of(binder=0.1), of(varying=True)
+    assert len({of(), *others}) == 7
 
 
-def test_pearl_by_optical_thickness():
-    """The optics that the solver gets: flakes and binder share the extinction."""
+def test_pearl_flakes_pass_what_they_do_not_reflect():
+    """A flake that reflects R of the light is as good as R white flakes, in the values that the solver gets."""
+    rgb = (0.5, 0.25, 0.0)
+    pearl = Stack([Flakes(2.0, 0.2, reflectance=rgb, binder=0.3, pearl=True)], Lambert(0.5))
+    white = Stack([Flakes([2.0 * r for r in rgb], 0.2, reflectance=1.0, binder=0.3)], Lambert(0.5))
+    assert [core_stack(pearl, c)[0] for c in range(3)] == [core_stack(white, c)[0] for c in range(3)]
+    sheet = lamina.solve(Stack([Flakes(2.0, 0.2, reflectance=rgb, pearl=True)]))
+    assert sheet.reflectance(0.7) + sheet.transmittance(0.7) == pytest.approx([1.0] * 3, abs=1e-3)
+
+
+def test_the_thickness_of_pearl_flakes():
+    pearl = Stack([Flakes(2.0, 0.2, reflectance=[0.5, 0.25, 0.125], binder=0.3, pearl=True, varying=True)])
+    taus = tuple(0.5 * pearl.optics(0, c)[1] for c in range(3))
+    half = with_thickness(pearl, 0, taus)
+    for c in range(3):
+        assert channel(half.layers[0].tau, c) == pytest.approx(1.0)
+        assert channel(half.layers[0].binder, c) == pytest.approx(0.15)
+        assert half.optics(0, c) == pytest.approx((pearl.optics(0, c)[0], taus[c]))
+
+
+def test_flakes_and_binder_share_the_extinction():
+    """In the optics that the solver gets."""
     stack = Stack([Flakes(1.0, 0.2, reflectance=0.5, binder=[0.0, 1.0, 3.0])])
     assert [stack.optics(0, c) for c in range(3)] == [(0.5, 1.0), (0.25, 2.0), (0.125, 4.0)]
 
