@@ -97,6 +97,7 @@ def test_cells_flash_and_fade_as_one_over_the_distance(baked):
     assert near.max() < 1.0 / 0.15**2 * smooth  # the ratio of the widths, squared
     # The camera is 10 units above the middle of the row of patches, and reads three quarters across each.
     away = np.hypot(10.0, np.arange(PATCHES) + 0.75 - 0.5 * PATCHES)
-    off = np.abs((faded - smooth) / (near - smooth) * away / 5.0 - 1.0)
-    assert np.median(off) < 1e-3
-    assert np.quantile(off, 0.9) < 0.01  # some pixels sample edges of cells
+    off = faded - smooth - (near - smooth) * 5.0 / away
+    # Over the two pixels read, the distance varies by .6 % to either side, and their cells may differ.
+    assert np.all(np.abs(off) < 0.01 * (near + smooth) * 5.0 / away)
+    assert np.median(np.abs(off) / (near + smooth)) < 1e-3
