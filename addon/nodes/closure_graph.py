@@ -1,40 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nodes of one table inside a material's group: from the view angle to a sum of weighted closures.
-
-u = (theta_o / (pi/2) * 63 + .5) / 64 and v = (strip * rows + t * (rows - 1) + .5) / height address the
-texel centres of the LUT (see lamina.Lut). Each texture's own mapping computes u and adds the strip: Cycles
-runs one instruction for a mapping, and two for a node with a constant. Every closure reads its own strip; the
-strips of a sheet's bottom side follow those of its top side, and back faces read them. Cycles has already
-turned the normal towards the viewer there.
-"""
-
-import math
+"""The nodes of one table inside a material's group: a sum of closures, each weighted by its own strip, and
+what lies below the layers."""
 
 import numpy as np
 
 from ..base import native
-from ..kinds.table import BASE, BASE_WEIGHT, PRINCIPLED, TAU_BEND, THROWN_BACK, Strip, is_covered, strips_of
+from ..kinds.table import BASE, BASE_WEIGHT, PRINCIPLED, THROWN_BACK, Strip, is_covered, strips_of
 from . import (
-    azimuth_graph,
     covered_graph,
     eevee_graph,
-    eevee_lookup,
     lut_image,
     mix_shader,
     principled_graph,
-    roughness_graph,
     shader_base_graph,
-    side_graph,
     sparkle_graph,
+    table_view,
 )
 from .closure_directions import Directions, UnknownClosureError
 from .shape_sockets import Shapes
+from .strip_reader import Reader
 
-SCALE_LABEL = "rows"
-
-ANGLE_COLOUR = (0.16, 0.24, 0.34)
-NORMAL_COLOUR = (0.20, 0.20, 0.36)
-ROW_COLOUR = (0.18, 0.30, 0.24)
 BASE_COLOUR = (0.34, 0.20, 0.16)
 CLOSURE_COLOUR = (0.30, 0.24, 0.16)
 
@@ -47,56 +32,27 @@ def used_closures(lut):
     return [int(index) for index in used if int(index) in lobes] or lobes[:1]
 
 
-def roughness_rows(lut):
-    """The number of roughnesses of the table, 1 without such an axis."""
-    return lut.header["axes"].get("roughness", {}).get("count", 1)
-
-
-def largest_tau(lut):
-    """The varying layer's optical thickness at the last row, or None if no layer varies."""
-    axis = lut.header["axes"]["tau"]
-    return float(axis["values"][-1]) if axis["count"] > 1 else None
-
-
 def draw(graph, table, image, recipe_of):
     """Add the nodes of one Table in `image`, see lut_image, to the Graph `graph`, and return its shader.
     `recipe_of(closure id)` -> NodeRecipe. Raises UnknownClosureError."""
-    lut, eevee, height = table.lut, table.eevee, table.height
-    rows = lut.header["axes"]["tau"]["count"]
-    strip_rows = rows * roughness_rows(lut) * azimuth_graph.rows(lut)
-    strips = strips_of(lut.header)
-    columns = lut.header["axes"]["view"]["count"]
-    covered = is_covered(strips)
-    sums = _by_closure([strips[index] for index in used_closures(lut)], metals_apart=not covered)
-    recipes = [recipe_of(same[0].closure) for same in sums]
-
-    inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
-    geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
-    incoming = geometry.outputs["Incoming"]
-    backfacing = geometry.outputs["Backfacing"]
-
-    graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
-    normal = normal_of(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
-    graph.begin_frame("View angle", ANGLE_COLOUR)
-    cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
-    angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
-    graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
-    v, tangent, turn = _row(graph, lut, inputs, backfacing, rows, height), None, None
-    if azimuth_graph.rows(lut) > 1:
-        graph.begin_frame("Azimuth of the view from the tangent to row v", ROW_COLOUR)
-        tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
-        per_radian = (azimuth_graph.rows(lut) - 1) / math.pi
-        if rows == 1:
-            v = graph.math("MULTIPLY_ADD", 9.4, 22, "v of the azimuth", azimuth, per_radian / height, v)
-        else:
-            turn = graph.math("MULTIPLY", 9.4, 22, "row of the azimuth", azimuth, per_radian)
+    strips = strips_of(table.lut.header)
+    kept = [strips[index] for index in used_closures(table.lut)]
+    same_closure = _by_closure(kept, metals_apart=not is_covered(strips))
+    sums = [(same, recipe_of(same[0].closure)) for same in same_closure]
+    view = table_view.draw(graph, table.lut, table.height)
+    directions = _directions(graph, view, [recipe for _, recipe in sums])
+    drawing = _Drawing(graph, table, strips, view, Reader(graph, table, image, view))
+    factors = drawing.factors()
+    totals = drawing.totals(sums, factors, directions)
+    total = drawing.over_base(drawing.for_eevee(totals, factors))
     graph.end_frame()
-    corner = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "view angle, v")
-    graph.set(corner.inputs[0], angle)
-    graph.set(corner.inputs[1], v)
+    return total
 
-    graph.begin_frame("Directions of the closures", NORMAL_COLOUR)
-    directions = Directions(graph, incoming, normal, cosine, angle, tangent)
+
+def _directions(graph, view, recipes):
+    """The Directions that the recipes use."""
+    graph.begin_frame("Directions of the closures", table_view.NORMAL_COLOUR)
+    directions = Directions(graph, view.incoming, view.normal, view.cosine, view.angle, view.tangent)
     for recipe in recipes:
         for wanted in (recipe.normal, *recipe.vectors.values()):
             directions.of(wanted)
@@ -104,105 +60,95 @@ def draw(graph, table, image, recipe_of):
             directions.view_angle(multiple)
         for parameters in recipe.of_cosine.values():
             directions.of_cosine(*parameters)
+    return directions
 
-    textures = {}
 
-    def look_up(corner, index, column, line, label):
-        texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
-        texture.image = image
-        texture.interpolation, texture.extension = "Linear", "EXTEND"
-        texture.texture_mapping.scale = ((columns - 1) / columns / (math.pi / 2), 1.0, 1.0)
-        row = table.first + index * strip_rows
-        texture.texture_mapping.translation = (0.5 / columns, (row + 0.5) / height, 0.0)
-        graph.link(corner, texture.inputs[0])
-        textures.setdefault(index, []).append(texture)
-        return texture.outputs["Color"]
+class _Drawing:
+    """The shader of a table, from its strips to what lies below the layers."""
 
-    place, step = corner.outputs[0], rows / height
-    if turn is None:
-        around = roughness_graph.around(graph, inputs, place, v, roughness_rows(lut), step, rows == 1)
-    else:
-        around = roughness_graph.between(graph, turn, place, v, azimuth_graph.rows(lut), step)
+    def __init__(self, graph, table, strips, view, reader):
+        self._graph, self._lut, self._eevee = graph, table.lut, table.eevee
+        self._strips, self._view, self._reader = strips, view, reader
+        self._covered = is_covered(strips)
 
-    def read(strip, column, line, label):
-        index = strips.index(strip)
-        if around.share is None:
-            return look_up(around.corners[0], index, column, line, label)
-        lower, upper = (look_up(one, index, column, line, label) for one in around.corners)
-        return graph.mix("VECTOR", column + 1.6, line, "between", around.share, lower, upper)
-
-    graph.begin_frame("Texels for Eevee", ANGLE_COLOUR)
-    chooser = eevee_graph.is_eevee(graph)
-    texels = eevee_lookup.Texels(graph, image, angle, columns, height, strip_rows, around, table.first)
-
-    def of_both(strip, line, label, number=None):
-        """A strip that Cycles and Eevee share. `number`: where Cycles finds it, if not in the strip."""
-        value = read(strip, 7, line, label) if number is None else number
-        (exact,) = texels.read(strips.index(strip), 7, line, f"{eevee_graph.LABEL} {label}", alpha=False)
-        kind = "RGBA" if number is None else "FLOAT"
-        return eevee_graph.chosen_value(graph, line, chooser, value, exact, kind)
-
-    shader_weight = Strip(role=BASE_WEIGHT)
-    factors = {}
-    for thrown_back in (strip for strip in strips if strip.role == THROWN_BACK):
-        if shader_weight not in strips and not covered:
+    def factors(self):
+        """{(role, metal): socket} by which strips of a base below are multiplied."""
+        graph, inputs, factors = self._graph, self._view.inputs, {}
+        if self._covered:
+            graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
+            return covered_graph.Factors(graph, self._lut, inputs, self._reader.read).by_role
+        if Strip(role=BASE_WEIGHT) in self._strips:
+            return factors
+        for thrown_back in (strip for strip in self._strips if strip.role == THROWN_BACK):
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
             line, colour = -6 if thrown_back.metal else -3, inputs.outputs["Base Color"]
-            back = of_both(thrown_back, line, "r")
+            back = self._reader.of_both(thrown_back, line, "r")
             gain = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, back)
             factors[BASE, thrown_back.metal] = gain
-    if covered:
-        graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
-        factors = covered_graph.Factors(graph, lut, inputs, read).by_role
+        return factors
 
-    sparkle = sparkle_graph.Sparkle(graph, inputs, directions) if sparkle_graph.is_offered(lut) else None
-    graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
-    widths = covered_graph.Widths(graph, inputs)
-    shapes = Shapes(graph, read, directions)
-    totals = {}
-    for line, (same, recipe) in enumerate(zip(sums, recipes, strict=True)):
-        closure = same[0].closure
-        weight = _weighted(graph, line, same, read, factors)
-        if recipe.weight_input == "Coat Tint":
-            weight = eevee_graph.dark(graph, line, chooser, weight)
-        elif covered:
-            albedo = native.part("baking.table.real_time").shown_as_diffuse(closure)
-            weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
-        name, metal = (closure, False) if covered else (same[0].name, same[0].metal)
-        shader = _closure(graph, line, name, recipe, weight, directions, widths, shapes)
-        if sparkle is not None and sparkle_graph.falls_apart(closure):
-            shader = sparkle.over(name, shapes.by_closure.get(name), weight, shader.node)
-        if metal in totals:
-            shader = mix_shader.added(graph, 12, line, "", totals[metal], shader)
-        totals[metal] = shader
-    if eevee.strips:
+    def totals(self, sums, factors, directions):
+        """{metal: shader}: the sum of the closures, those of a metal apart. `sums`: (strips of one closure,
+        its recipe)."""
+        graph, read, chooser = self._graph, self._reader.read, self._reader.chooser
+        sparkle = None
+        if sparkle_graph.is_offered(self._lut):
+            sparkle = sparkle_graph.Sparkle(graph, self._view.inputs, directions)
+        graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
+        widths = covered_graph.Widths(graph, self._view.inputs)
+        shapes = Shapes(graph, read, directions)
+        totals = {}
+        for line, (same, recipe) in enumerate(sums):
+            closure = same[0].closure
+            weight = _weighted(graph, line, same, read, factors)
+            if recipe.weight_input == "Coat Tint":
+                weight = eevee_graph.dark(graph, line, chooser, weight)
+            elif self._covered:
+                albedo = native.part("baking.table.real_time").shown_as_diffuse(closure)
+                weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
+            name, metal = (closure, False) if self._covered else (same[0].name, same[0].metal)
+            shader = _closure(graph, line, name, recipe, weight, directions, widths, shapes)
+            if sparkle is not None and sparkle_graph.falls_apart(closure):
+                shader = sparkle.over(name, shapes.by_closure.get(name), weight, shader.node)
+            if metal in totals:
+                shader = mix_shader.added(graph, 12, line, "", totals[metal], shader)
+            totals[metal] = shader
+        return totals
+
+    def for_eevee(self, totals, factors):
+        """The totals, or those of Eevee's own closures where Eevee renders."""
+        if not self._eevee.strips:
+            return totals
+        graph, view, reader = self._graph, self._view, self._reader
         graph.begin_frame("Closures for Eevee, which has few kinds", CLOSURE_COLOUR)
-        shown = eevee_graph.totals(graph, lut, eevee, texels, factors, normal, incoming)
-        totals = {metal: eevee_graph.chosen(graph, -4 if metal else -5, chooser, total, shown[metal])
+        shown = eevee_graph.totals(
+            graph, self._lut, self._eevee, reader.texels, factors, view.normal, view.incoming)
+        totals = {metal: eevee_graph.chosen(graph, -4 if metal else -5, reader.chooser, total, shown[metal])
                   for metal, total in totals.items()}
         graph.end_frame()
-    total, principled = totals[False], Strip(role=PRINCIPLED)
-    if principled in strips:
-        graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
-        if True in totals:
-            metallic = inputs.outputs["Metallic"]
-            total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", metallic, total, totals[True])
-        holder = lut_image.holder_of_principled(lut)
-        if strips.index(holder) not in textures:
-            read(holder, 7, -2, "w")
-        held = [texture.outputs["Alpha"] for texture in textures[strips.index(holder)]]
-        held = held[0] if len(held) == 1 else graph.mix("FLOAT", 8.6, -2, "between", around.share, *held)
-        weight = of_both(principled, -2, "w", held)
-        total = principled_graph.beside(graph, lut, inputs, normal, weight, total)
-    if shader_weight in strips:
-        graph.begin_frame("Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
-        thrown_back = of_both(Strip(role=THROWN_BACK), -3, "r")
-        weight = of_both(shader_weight, -2, "w")
-        colour = inputs.outputs[shader_base_graph.REFLECTANCE]
-        weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
-        total = shader_base_graph.over(graph, inputs, weight, total)
-    graph.end_frame()
-    return total
+        return totals
+
+    def over_base(self, totals):
+        """The shader of the layers and of a Principled BSDF or another shader below."""
+        graph, reader, inputs = self._graph, self._reader, self._view.inputs
+        total, principled, shader_weight = totals[False], Strip(role=PRINCIPLED), Strip(role=BASE_WEIGHT)
+        if principled in self._strips:
+            graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
+            if True in totals:
+                both = inputs.outputs["Metallic"], total, totals[True]
+                total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", *both)
+            held = reader.alpha(lut_image.holder_of_principled(self._lut), -2, "w")
+            weight = reader.of_both(principled, -2, "w", held)
+            total = principled_graph.beside(graph, self._lut, inputs, self._view.normal, weight, total)
+        if shader_weight in self._strips:
+            graph.begin_frame(
+                "Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
+            thrown_back = reader.of_both(Strip(role=THROWN_BACK), -3, "r")
+            weight = reader.of_both(shader_weight, -2, "w")
+            colour = inputs.outputs[shader_base_graph.REFLECTANCE]
+            weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
+            total = shader_base_graph.over(graph, inputs, weight, total)
+        return total
 
 
 def _by_closure(strips, metals_apart):
@@ -236,50 +182,6 @@ def _again_and_again(graph, line, label, weight, colour, thrown_back):
     again = graph.vector("MULTIPLY", 9.2, line, "c r", colour, thrown_back)
     rest = graph.vector("SUBTRACT", 10.2, line, "1 - c r", (1.0, 1.0, 1.0), again)
     return graph.vector("DIVIDE", 11.2, line, label, weight, rest)
-
-
-def normal_of(graph, given, own):
-    """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
-    length = graph.vector("LENGTH", -0.6, 0, "length", given)
-    is_given = graph.math("GREATER_THAN", 0.4, 0, "is given", length, 0.5)
-    chosen = graph.mix("VECTOR", 1.4, 1, "normal", is_given, own, given)
-    return graph.vector("NORMALIZE", 2.4, 1, "N", chosen)
-
-
-def _row(graph, lut, inputs, backfacing, rows, height):
-    """v of strip 0 without the half texel, which each strip adds."""
-    tau, side = None, backfacing
-    if rows > 1:
-        most, scale = _thickness_scale(lut, rows, height)
-        tau, side = side_graph.draw(graph, lut, inputs, backfacing, most)
-    first = 0.0
-    if len(lut.header["sides"]) > 1:
-        strips = len(lut.header["closures"])
-        first = graph.math("MULTIPLY", 4.4, 8.2, "bottom side's strips", side, strips * rows / height)
-    if rows == 1:
-        return graph.math("ADD", 5.4, 8.2, "v", first, 0.0)
-    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_BEND)
-    share = graph.math("DIVIDE", 3.4, 7, "tau / (tau + 1/2)", tau, shifted)
-    row = graph.math("MULTIPLY", 4.4, 7, SCALE_LABEL, share, scale)
-    return graph.math("ADD", 5.4, 7, "v", row, first)
-
-
-def _thickness_scale(lut, rows, height):
-    """(largest thickness in the table, factor from tau / (tau + 1/2) to v)."""
-    largest = largest_tau(lut)
-    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_BEND)
-    return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
-
-
-def rescale(tree, table):
-    """Changes a drawn tree to the thickness axis of another table of the same layout."""
-    rows = table.lut.header["axes"]["tau"]["count"]
-    if rows > 1:
-        most, scale = _thickness_scale(table.lut, rows, table.height)
-        values = {side_graph.MOST_LABEL: most, SCALE_LABEL: scale}
-        for node in tree.nodes:
-            if node.type == "MATH" and node.label in values:
-                node.inputs[1].default_value = values[node.label]
 
 
 def _closure(graph, line, name, recipe, weight, directions, widths, shapes):

@@ -10,7 +10,7 @@ without the add-on. The patterns lie over rest_coordinates.
 from math import cos, e, pi, radians
 from typing import NamedTuple
 
-from . import closure_graph, detail_group, rest_coordinates, texture_graph
+from . import detail_group, rest_coordinates, table_view, texture_graph
 from .graph import Graph
 from .group_sockets import COVERAGE
 
@@ -54,7 +54,7 @@ class Pattern(NamedTuple):
         graph = Graph(tree)
         inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 16, 0)
         geometry = graph.node("ShaderNodeNewGeometry", 0, 10)
-        normal = closure_graph.normal_of(graph, inputs.outputs[NORMAL], geometry.outputs["Normal"])
+        normal = table_view.normal_of(graph, inputs.outputs[NORMAL], geometry.outputs["Normal"])
         place = rest_coordinates.draw(graph, 0, 14)
         given = graph.math("ADD", 3, 3, "coverage", inputs.outputs[COVERAGE], 0.0, clamp=True)
         share = graph.math("MULTIPLY", 4, 3, "share", given, inputs.outputs["Amount"], clamp=True)

@@ -26,6 +26,7 @@ from . import (
     principled_graph,
     side_graph,
     sparkle_graph,
+    table_view,
     thin_sheet,
 )
 from .group_sockets import LARGEST
@@ -46,7 +47,7 @@ def build(material, lut):
     old_nodes = list(group.nodes)
     old_images = images_of(old_nodes)
     image = lut_image.create(f"Lamina {material.name}", tables)
-    tau = closure_graph.largest_tau(lut)
+    tau = table_view.largest_tau(lut)
     old_tau = group.get("lamina_largest_tau")
     base = _inputs(material, lut)
     added = group_sockets.add_missing(group, tau, base)
@@ -112,9 +113,9 @@ def update(material, lut):
     base = _inputs(material, lut)
     if (group_sockets.TANGENT in base) != (group_sockets.TANGENT in group_sockets.named(group, "INPUT")):
         return False
-    tau, old_tau = closure_graph.largest_tau(lut), group.get("lamina_largest_tau")
+    tau, old_tau = table_view.largest_tau(lut), group.get("lamina_largest_tau")
     if tau is not None and old_tau != min(tau, LARGEST):
-        closure_graph.rescale(group, tables[0])
+        table_view.rescale(group, tables[0])
         group_sockets.settle(group, tau, base)
         group["lamina_largest_tau"] = min(tau, LARGEST)
         group_sockets.follow_thickness(group, old_tau, tau)
@@ -282,7 +283,7 @@ def _layout(tables):
         "drawn": closure_graph.used_closures(lut),
         "sides": lut.header["sides"],
         "turns over": side_graph.turns_over(lut),
-        "size": [axes["view"]["count"], axes["tau"]["count"], closure_graph.roughness_rows(lut)],
+        "size": [axes["view"]["count"], axes["tau"]["count"], table_view.roughness_rows(lut)],
     } | ({"azimuth": axes["azimuth"]} if "azimuth" in axes else {})
     layout |= {"sparkle": True} if sparkle_graph.is_offered(lut) else {}
     return layout | {"uncovered": _layout(more)} if more else layout

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a point of a surface looks into its table: the normal, the view angle u, and the row v of its
+thickness, side and azimuth.
+
+u = (theta_o / (pi/2) * 63 + .5) / 64 and v = (strip * rows + t * (rows - 1) + .5) / height address the
+texel centres of the LUT (see lamina.Lut). Each texture's own mapping computes u and adds the strip: Cycles
+runs one instruction for a mapping, and two for a node with a constant. The strips of a sheet's bottom side
+follow those of its top side, and back faces read them. Cycles has already turned the normal towards the
+viewer there."""
+
+import math
+from typing import NamedTuple
+
+from ..kinds.table import TAU_BEND
+from . import azimuth_graph, side_graph
+
+SCALE_LABEL = "rows"
+ANGLE_COLOUR = (0.16, 0.24, 0.34)
+NORMAL_COLOUR = (0.20, 0.20, 0.36)
+ROW_COLOUR = (0.18, 0.30, 0.24)
+
+
+class View(NamedTuple):
+    """The group's input node, and sockets: the direction to the viewer, the normal, their cosine and angle,
+    the tangent or None, v, and the place (view angle, v). turn: the row of the azimuth, where a layer varies
+    too; otherwise None."""
+
+    inputs: object
+    incoming: object
+    normal: object
+    cosine: object
+    angle: object
+    tangent: object
+    v: object
+    place: object
+    turn: object
+
+
+def roughness_rows(lut):
+    """The number of roughnesses of the table, 1 without such an axis."""
+    return lut.header["axes"].get("roughness", {}).get("count", 1)
+
+
+def largest_tau(lut):
+    """The varying layer's optical thickness at the last row, or None if no layer varies."""
+    axis = lut.header["axes"]["tau"]
+    return float(axis["values"][-1]) if axis["count"] > 1 else None
+
+
+def draw(graph, lut, height):
+    """The View of a table in an image of `height` texels."""
+    rows = lut.header["axes"]["tau"]["count"]
+    inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
+    geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
+    incoming = geometry.outputs["Incoming"]
+    backfacing = geometry.outputs["Backfacing"]
+
+    graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
+    normal = normal_of(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
+    graph.begin_frame("View angle", ANGLE_COLOUR)
+    cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
+    angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
+    graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
+    v, tangent, turn = _row(graph, lut, inputs, backfacing, rows, height), None, None
+    if azimuth_graph.rows(lut) > 1:
+        graph.begin_frame("Azimuth of the view from the tangent to row v", ROW_COLOUR)
+        tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
+        per_radian = (azimuth_graph.rows(lut) - 1) / math.pi
+        if rows == 1:
+            v = graph.math("MULTIPLY_ADD", 9.4, 22, "v of the azimuth", azimuth, per_radian / height, v)
+        else:
+            turn = graph.math("MULTIPLY", 9.4, 22, "row of the azimuth", azimuth, per_radian)
+    graph.end_frame()
+    place = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "view angle, v")
+    graph.set(place.inputs[0], angle)
+    graph.set(place.inputs[1], v)
+    return View(inputs, incoming, normal, cosine, angle, tangent, v, place.outputs[0], turn)
+
+
+def normal_of(graph, given, own):
+    """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
+    length = graph.vector("LENGTH", -0.6, 0, "length", given)
+    is_given = graph.math("GREATER_THAN", 0.4, 0, "is given", length, 0.5)
+    chosen = graph.mix("VECTOR", 1.4, 1, "normal", is_given, own, given)
+    return graph.vector("NORMALIZE", 2.4, 1, "N", chosen)
+
+
+def _row(graph, lut, inputs, backfacing, rows, height):
+    """v of strip 0 without the half texel, which each strip adds."""
+    tau, side = None, backfacing
+    if rows > 1:
+        most, scale = _thickness_scale(lut, rows, height)
+        tau, side = side_graph.draw(graph, lut, inputs, backfacing, most)
+    first = 0.0
+    if len(lut.header["sides"]) > 1:
+        strips = len(lut.header["closures"])
+        first = graph.math("MULTIPLY", 4.4, 8.2, "bottom side's strips", side, strips * rows / height)
+    if rows == 1:
+        return graph.math("ADD", 5.4, 8.2, "v", first, 0.0)
+    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_BEND)
+    share = graph.math("DIVIDE", 3.4, 7, "tau / (tau + 1/2)", tau, shifted)
+    row = graph.math("MULTIPLY", 4.4, 7, SCALE_LABEL, share, scale)
+    return graph.math("ADD", 5.4, 7, "v", row, first)
+
+
+def _thickness_scale(lut, rows, height):
+    """(largest thickness in the table, factor from tau / (tau + 1/2) to v)."""
+    largest = largest_tau(lut)
+    last = 1.0 if math.isinf(largest) else largest / (largest + TAU_BEND)
+    return min(largest, 1.0e30), (rows - 1) / height / last if last else 0.0
+
+
+def rescale(tree, table):
+    """Changes a drawn tree to the thickness axis of another table of the same layout."""
+    rows = table.lut.header["axes"]["tau"]["count"]
+    if rows > 1:
+        most, scale = _thickness_scale(table.lut, rows, table.height)
+        values = {side_graph.MOST_LABEL: most, SCALE_LABEL: scale}
+        for node in tree.nodes:
+            if node.type == "MATH" and node.label in values:
+                node.inputs[1].default_value = values[node.label]
