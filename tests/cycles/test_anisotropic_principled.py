@@ -23,8 +23,7 @@ LARGEST = {0.05: 0.07, 0.3: 0.2, 1.0: 0.19}
 def steel(name):
     """(material, its Principled BSDF, the node of its tangent)."""
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = goniophotometer.node_tree.of(material)
     node, vector = tree.nodes["Principled BSDF"], tree.nodes.new("ShaderNodeCombineXYZ")
     values = {"Base Color": (*(REFLECTANCE,) * 3, 1.0), "Metallic": 1.0, "Roughness": ROUGHNESS,
               "Anisotropic": ANISOTROPIC, "Anisotropic Rotation": ROTATION}
