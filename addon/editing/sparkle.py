@@ -39,7 +39,7 @@ def add(material, scene):
     for node in node_group.group_nodes(material):
         if starts:
             node.inputs[SPARKLE].default_value = USUAL
-            detail_group.set_sizes(node, {SIZE: group_sockets.SPARKLE[SIZE]})
+            detail_group.set_sizes(node, {SIZE: group_sockets.OF_SPARKLE[SIZE]})
         node.inputs[DISTANCE].default_value = node.inputs[SIZE].default_value / pixel_angle(scene)
     return sockets(material)[DISTANCE].default_value
 
@@ -49,7 +49,7 @@ def pixel_angle(scene):
     perspective camera."""
     camera = scene.camera
     if camera is None or camera.type != "CAMERA" or camera.data.type != "PERSP":
-        return group_sockets.SPARKLE[SIZE] / group_sockets.SPARKLE[DISTANCE]
+        return group_sockets.OF_SPARKLE[SIZE] / group_sockets.OF_SPARKLE[DISTANCE]
     corners = camera.data.view_frame(scene=scene)
     width = (corners[0] - corners[3]).length / -corners[0].z
     return width / (scene.render.resolution_x * scene.render.resolution_percentage / 100.0)

@@ -12,7 +12,7 @@ class Texels:
     """Reads strips of an image.
 
     `angle`: the view angle, 0 to pi/2 over `columns` columns. `around`: the places of strip 0, without the
-    half texel, in an image of `height` texels, see roughness_graph. `rows`: of a strip; `first`: of the
+    half texel, in an image of `height` texels, see third_axis. `rows`: of a strip; `first`: of the
     table."""
 
     def __init__(self, graph, image, angle, columns, height, rows, around, first=0):

@@ -40,7 +40,7 @@ INPUTS = (
 )
 # Lengths in metres: flakes of 0.5 mm are as wide as a pixel at this distance, through a lens of 50 mm, in a
 # picture 1920 pixels wide.
-SPARKLE = {sparkle_graph.SPARKLE: 0.0, sparkle_graph.SIZE: 5e-4, sparkle_graph.DISTANCE: 1.3}
+OF_SPARKLE = {sparkle_graph.SPARKLE: 0.0, sparkle_graph.SIZE: 5e-4, sparkle_graph.DISTANCE: 1.3}
 
 
 def of_table(lut):
@@ -48,7 +48,7 @@ def of_table(lut):
     `lut`, where it has them; the default is None for a shader and for the tangent."""
     coverage = {} if lut.uncovered is None else {COVERAGE: 1.0}
     tangent = {TANGENT: None} if "azimuth" in lut.header["axes"] else {}
-    sparkle = SPARKLE if sparkle_graph.is_offered(lut) else {}
+    sparkle = OF_SPARKLE if sparkle_graph.is_offered(lut) else {}
     return coverage | tangent | sparkle | _of_base(lut)
 
 

@@ -4,7 +4,7 @@
 import math
 
 from ..kinds.table import strips_of
-from . import azimuth_graph, eevee_graph, eevee_lookup, roughness_graph, table_view
+from . import azimuth_graph, eevee_graph, eevee_lookup, table_view, third_axis
 
 
 class Reader:
@@ -21,10 +21,10 @@ class Reader:
         where = view.place, view.v
         if view.turn is None:
             count = table_view.roughness_rows(lut)
-            self._around = roughness_graph.around(graph, view.inputs, *where, count, step, rows == 1)
+            self._around = third_axis.around(graph, view.inputs, *where, count, step, rows == 1)
         else:
             count = azimuth_graph.rows(lut)
-            self._around = roughness_graph.between(graph, view.turn, *where, count, step)
+            self._around = third_axis.between(graph, view.turn, *where, count, step)
         graph.begin_frame("Texels for Eevee", table_view.ANGLE_COLOUR)
         self.chooser = eevee_graph.is_eevee(graph)
         self.texels = eevee_lookup.Texels(

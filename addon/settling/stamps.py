@@ -15,7 +15,9 @@ from ..base.messages import RefusedError
 
 MARK = "lamina_stamp"  # of a brush: the key of its stamp
 SIDE = 256  # of a stamp's image
-_MODES = {"PAINT_VERTEX": ("VERTEX_PAINT", "vertex_paint"), "PAINT_TEXTURE": ("TEXTURE_PAINT", "image_paint")}
+# {mode of the context: (mode of a brush, settings of the tool, switch of a brush for this mode)}
+_MODES = {"PAINT_VERTEX": ("VERTEX_PAINT", "vertex_paint", "use_paint_vertex"),
+          "PAINT_TEXTURE": ("TEXTURE_PAINT", "image_paint", "use_paint_image")}  # fmt: skip
 _RIDGES = 11.0  # across a finger mark
 _FOLDS = 72  # of the cloth, across a streak
 
@@ -82,10 +84,9 @@ def choose(context, key):
     """Paint with a stamp. Raises RefusedError outside of paint mode."""
     if not is_painting(context):
         raise RefusedError("Stamps need paint mode: click Wipe by Hand first")
-    mode, _name = _MODES[context.mode]
-    brushes = (brush for brush in bpy.data.brushes if brush.get(MARK) == key)
-    use = {"VERTEX_PAINT": "use_paint_vertex", "TEXTURE_PAINT": "use_paint_image"}[mode]
-    brush = next((one for one in brushes if one.library is None and getattr(one, use)), None)
+    mode, _settings, use = _MODES[context.mode]
+    ours = (one for one in bpy.data.brushes if one.library is None and one.get(MARK) == key)
+    brush = next((one for one in ours if getattr(one, use)), None)
     _activate(_paint(context), _new(key, mode) if brush is None else brush)
 
 

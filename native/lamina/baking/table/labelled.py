@@ -20,8 +20,8 @@ def dataset(header: dict, weights: np.ndarray):
     turns = azimuth["tangent"] + np.linspace(0.0, np.pi, azimuth["count"]) if azimuth else [0.0]
     angles = column_angles()
     sides, closures, _, columns, _ = weights.shape
-    turned = ("azimuth",) if azimuth else ()
-    shape = (sides, closures, len(roughness), *(len(turns) for _ in turned), len(tau), columns, 3)
+    turned = {"azimuth": len(turns)} if azimuth else {}
+    shape = (sides, closures, len(roughness), *turned.values(), len(tau), columns, 3)
     names = ("side", "closure", "roughness", *turned, "tau", "view_angle", "color")
     about = {"units": "1", "long_name": "weight of a closure"}
     found: dict[str, tuple] = {"weights": (names, weights.reshape(shape), about)}
@@ -29,10 +29,10 @@ def dataset(header: dict, weights: np.ndarray):
         errors = report.get(f"slice_errors{kind}")
         if errors is not None:
             # Of a table with an axis of roughness, the errors are those at the base's own roughness
-            own = ("roughness",) if len(roughness) == 1 else ()
-            solved = ("solved_azimuth",) if azimuth else ()  # half of them, if the others mirror these
+            own = {"roughness": 1} if len(roughness) == 1 else {}
+            solved = {"solved_azimuth": -1} if azimuth else {}  # half of them, if the others mirror these
             array = np.array(errors)
-            array = array.reshape(sides, *(1 for _ in own), *(-1 for _ in solved), len(tau), array.shape[2], columns)
+            array = array.reshape(sides, *own.values(), *solved.values(), len(tau), array.shape[2], columns)
             found[f"slice_errors{kind}"] = (("side", *own, *solved, "tau", "channel", "view_angle"), array, {
                 "units": "1", "long_name": "relative L2 error of a slice over solid angle"})
     coordinates = {

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Around:
-    """`corners`: the places (u, v) for the roughness below and above, as sockets, or one for both; `places`:
+    """`corners`: the places (u, v) in the rows below and above, as sockets, or one for both; `places`:
     v alone of them; `share`: that of the one above, or None."""
 
     corners: tuple
