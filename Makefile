@@ -82,6 +82,7 @@ test-bpy52: extension build/stamps/bpy52
 test-bpy52-part: build/stamps/bpy52
 	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest $(addprefix tests/addon/,$(BPY52_PART))
 	$(BPY52)/bin/python -m pytest tests/cycles/test_energy_of_sheets.py tests/cycles/test_oriented_material.py \
+		tests/cycles/test_sparkle.py \
 		"tests/cycles/test_relightable.py::test_exit_albedo_and_distance[forward]"
 endif
 
