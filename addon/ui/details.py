@@ -6,7 +6,16 @@ from ..kinds import boundaries, media
 from ..kinds.bases import BASES
 from ..kinds.measured import TableText
 from ..stack_json import phases, profiles, solved_colours
-from .fields import NO_ALBEDO, draw_color, draw_number, draw_shown_color, is_infinite, labelled, split
+from .fields import (
+    NO_ALBEDO,
+    draw_color,
+    draw_number,
+    draw_shown_color,
+    draw_thickness,
+    is_infinite,
+    labelled,
+    split,
+)
 
 
 def draw_layer(layout, layer):
@@ -19,6 +28,8 @@ def draw_layer(layout, layer):
         column.prop(layer, "varying")
     elif layer.kind == "medium":
         column.prop(layer, "varying")
+        if layer.varying:
+            draw_thickness(column, layer, "Largest Thickness")
         _draw_medium(layout, layer)
 
 

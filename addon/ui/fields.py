@@ -106,13 +106,18 @@ def _draw_medium(column, layer):
         row.operator("lamina.profile_replace", text="", icon="X")
     else:
         draw_color(column, layer, layer)
-    amount = "Largest Thickness" if layer.varying else "Thickness"
+    if not layer.varying:
+        draw_thickness(column, layer, "Thickness")
+
+
+def draw_thickness(column, layer, text):
+    """The thickness of a medium; of a varying one, the largest: Advanced has it."""
     if layer.mode in media.IN_MM:
-        _with_infinity(column, layer, "thickness", f"{amount} (mm)")
+        _with_infinity(column, layer, "thickness", f"{text} (mm)")
     elif layer.tau_per_channel and not is_infinite(layer):
-        rgb_column(column, layer, "tau_rgb", amount)
+        rgb_column(column, layer, "tau_rgb", text)
     else:
-        _with_infinity(column, layer, "tau", amount)
+        _with_infinity(column, layer, "tau", text)
 
 
 def draw_color(column, layer, end):

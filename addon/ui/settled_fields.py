@@ -77,7 +77,7 @@ def mismatch(material, settings, name=FRONT):
     most = material.lamina.node_group.get("lamina_largest_tau", -1.0)
     if 0.0 <= most < settings.largest:
         return (f"Thicker than baked: above thickness {most:.3g} nothing changes. "
-                "Choose Settled again, or raise the layer's thickness")
+                "Choose Settled again, or raise Largest Thickness in Advanced")
     if settings.largest_back > BACK_MATTERS * settings.largest and not material.lamina.node_group.get(
             "lamina_shows_back", True):
         return ("Dust on back faces is not shown: this sheet has two different sides, and its dust layer is "

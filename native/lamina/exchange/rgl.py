@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solved stacks as .bsdf files of RGL, which Mitsuba 3 (plugin `measured`) and powitacq read.
+"""Solved stacks as .bsdf files of RGL, which Mitsuba 3 (plugin `measured`), powitacq, and with wavelengths pbrt-v4
+(material `measured`) read.
 
 Format: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering". A file
 holds f cos(theta_o) of reflection on half vectors, and a probability density for sampling. The format has no place for
@@ -53,9 +54,10 @@ def save_bsdf(solved: ScatteringFunction | AnyStack, path: str | os.PathLike, si
     mirrored = float(solved.reflectance(np.cos(theta_i), parts=True)[1].max())
     fields = {
         "description": np.frombuffer(_describe(solved, mirrored, spectral).encode(), np.uint8),
-        # The values are f cos(theta_o) itself, not to be multiplied by ndf / (4 sigma) ...
+        # The values are f cos(theta_o) itself, not to be multiplied by ndf / (4 sigma). pbrt-v4 does not read the flag
+        # and always multiplies: by 1 ...
         "jacobian": np.zeros(1, np.uint8),
-        "ndf": np.ones((2, 2)), "sigma": np.ones((2, 2)),
+        "ndf": np.ones((2, 2)), "sigma": np.full((2, 2), 0.25),
         # ... on the plain grid of half vectors: a constant density does not warp it.
         "vndf": np.ones((1, angles, 2, 2)),
         "phi_i": np.zeros(1), "theta_i": theta_i,

@@ -71,6 +71,27 @@ def test_nodes_of_a_narrow_lobe_hold_the_function(tmp_path):
         assert np.abs(got - exact).sum() < 5e-3 * exact.sum(), np.degrees(angle)
 
 
+def test_pbrt_finds_the_function_too(tmp_path):
+    """By the fields that pbrt-v4's MeasuredBxDFData::Create requires, and the formula of its MeasuredBxDF::f at nodes:
+    spectra ndf / (4 sigma cos), whatever `jacobian` says."""
+    stack = Stack([Medium(albedo=[0.4, 0.6, 0.9], tau=1.0)], Lambert([0.1, 0.2, 0.3]))
+    solution = lamina.solve(stack)
+    save_bsdf(solution, tmp_path / "out.bsdf", 32, 8, wavelengths=[650.0, 550.0, 450.0])
+    fields = mi.tensor_io.read(str(tmp_path / "out.bsdf"))
+    shapes = {name: np.asarray(fields[name]).shape for name in fields if name != "description"}
+    assert shapes == {"phi_i": (1,), "theta_i": (8,), "wavelengths": (3,), "jacobian": (1,), "ndf": (2, 2),
+                      "sigma": (2, 2), "vndf": (1, 8, 2, 2), "luminance": (1, 8, 32, 32), "spectra": (1, 8, 3, 32, 32)}
+    assert {np.asarray(fields[name]).dtype.name for name in shapes} == {"float32", "uint8"}
+    factor = np.asarray(fields["ndf"]) / (4.0 * np.asarray(fields["sigma"]))
+    angle, u = float(np.asarray(fields["theta_i"])[2]), 8
+    # The first azimuth, -pi, tilts the half vector away from the light: both directions lie in one plane.
+    away = angle + np.pi * (u / 31)**2
+    got = np.asarray(fields["spectra"])[0, 2, :, 0, u] * factor.max() / np.cos(away)
+    exact = solution.brdf(np.cos(away), np.cos(angle), 0.0).ravel()[::-1]
+    assert factor.min() == factor.max()
+    assert np.allclose(got, exact, rtol=2e-3), (got, exact)
+
+
 @pytest.mark.parametrize("name", ["rough coat", "dust on metal"])
 def test_no_value_is_negative(name, solved, tmp_path):
     """Down to grazing directions, in coarse files too. Values were continued below the horizon with negative ones."""
