@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Thin films on flakes.
 
-The panel edits one film on both faces of clear platelets. Other films are stored unchanged as text.
+The panel edits one film on both faces of clear platelets. Other films are stored unchanged as text; of one
+with an index by wavelength on platelets, the panel edits the thickness.
 """
 
 import json
@@ -15,25 +16,35 @@ def to_json(layer):
     """The films, outermost first, as JSON data. Damaged JSON gives a value that `lamina` refuses."""
     if layer.flake_form == BY_COLOUR.item.id:
         return []
+    thickness = shortest(getattr(layer, COAT_THICKNESS.prop))
     if layer.coats_text:
-        return kept_json.parsed(layer.coats_text, list)
-    if layer.flake_form != BY_FILM.item.id or layer.coat_film_thickness == 0.0:
+        films = kept_json.parsed(layer.coats_text, list)
+        return [{**films[0], COAT_THICKNESS.name: thickness}] if has_own_thickness(layer) else films
+    if layer.flake_form != BY_FILM.item.id or thickness == 0.0:
         return []
     numbers = {field.name: shortest(getattr(layer, field.prop)) for field in COAT}
     return [{name: value for name, value in numbers.items() if name != "k" or value != 0.0}]
 
 
+def has_own_thickness(layer):
+    """True if the panel edits the thickness of the film."""
+    if layer.flake_form != BY_FILM.item.id:
+        return False
+    films = kept_json.parsed(layer.coats_text, list) if layer.coats_text else [{}]
+    return len(films) == 1 and isinstance(films[0], dict)
+
+
 def values(films, form):
     """Property values that hold the films of a valid entry in this form, as JSON data."""
     films = [films] if isinstance(films, dict) else films
-    is_edited = form == BY_FILM.item.id
+    if form != BY_FILM.item.id or len(films or ()) > 1:
+        return {"coats_text": json.dumps(films) if films else ""}
     if not films:
-        return {"coats_text": "", **({COAT_THICKNESS.prop: 0.0} if is_edited else {})}
+        return {"coats_text": "", COAT_THICKNESS.prop: 0.0}
     numbers = {field.prop: films[0].get(field.name, 0.0) for field in COAT}
-    has_spectrum = any(isinstance(value, dict) for value in numbers.values())
-    if is_edited and len(films) == 1 and not has_spectrum:
-        return {"coats_text": "", **numbers}
-    return {"coats_text": json.dumps(films)}
+    if any(isinstance(value, dict) for value in numbers.values()):
+        return {"coats_text": json.dumps(films), COAT_THICKNESS.prop: numbers[COAT_THICKNESS.prop]}
+    return {"coats_text": "", **numbers}
 
 
 def imported(layer):
@@ -43,6 +54,8 @@ def imported(layer):
     held = kept_json.parsed(layer.coats_text, list)
     if held == kept_json.UNREADABLE:
         return held
+    if has_own_thickness(layer):
+        return "index by wavelength"
     return "1 film" if len(held) == 1 else f"{len(held)} films"
 
 

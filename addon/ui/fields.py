@@ -12,7 +12,7 @@ from ..editing import metals, sparkle
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Conductor, Measured
 from ..kinds.fields import Option, panel_fields
-from ..kinds.flakes import BY_COLOUR, BY_FILM, COAT
+from ..kinds.flakes import BY_COLOUR, BY_FILM, COAT, COAT_THICKNESS
 from ..kinds.layers import DESCRIBED
 from ..stack_json import coats, profiles, solved_colours
 
@@ -97,6 +97,8 @@ def _draw_coats(column, layer):
     if imported:
         row = labelled(column, "Films", f"Imported: {imported}")
         row.operator("lamina.coats_replace", text="", icon="X")
+        if coats.has_own_thickness(layer):
+            draw_number(column, layer, COAT_THICKNESS)
     elif layer.flake_form == BY_FILM.item.id:
         for field in COAT:
             draw_number(column, layer, field)

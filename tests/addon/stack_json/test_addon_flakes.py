@@ -104,7 +104,6 @@ def test_platelets_without_a_film(addon, material, flakes):
 @pytest.mark.parametrize("entry", [
     {"ior": 1.58, "film": [{"ior": 1.46, "thickness": 100.0}, {"ior": 2.5, "thickness": 120.0}]},
     {"metal": "aluminium", "film": [{"ior": 1.46, "thickness": 200.0}]},
-    {"ior": 1.58, "film": [{"ior": {"wavelengths": [400.0, 700.0], "values": [2.8, 2.5]}, "thickness": 120.0}]},
 ])
 def test_films_that_the_panel_keeps_as_they_are(addon, material, flakes, entry):
     data = addon.editing.stack_io.to_dict(material)
@@ -118,6 +117,22 @@ def test_films_that_the_panel_keeps_as_they_are(addon, material, flakes, entry):
     assert addon.stack_json.coats.imported(flakes)
     addon.stack_json.coats.replace(flakes)
     assert not addon.stack_json.coats.imported(flakes)
+
+
+def test_a_film_with_an_index_by_wavelength(addon, material, flakes):
+    """The panel keeps the index and edits the thickness."""
+    data = addon.editing.stack_io.to_dict(material)
+    place = next(k for k, one in enumerate(data["layers"]) if one["kind"] == "flakes")
+    film = {"ior": {"wavelengths": [400.0, 700.0], "values": [2.8, 2.5]}, "thickness": 110.0}
+    data["layers"][place] = {"kind": "flakes", "name": "Pigment", "tau": 1.0, "alpha": 0.2, "ior": 1.58, "film": [film]}
+    addon.editing.stack_io.assign(material, data)
+    flakes = next(one for one in material.lamina.layers if one.kind == "flakes")
+    assert layer_of(addon, material)["film"] == [film]
+    lines = drawn_layer(addon, flakes)
+    assert "Imported: index by wavelength" in lines and "Film Thickness (nm)" in lines and "Film Index" not in lines
+    flakes.coat_film_thickness = 90.0
+    assert layer_of(addon, material)["film"] == [{**film, "thickness": 90.0}]
+    assert film["thickness"] == 110.0
 
 
 def test_damaged_films_are_refused(addon, material, flakes):
