@@ -31,6 +31,7 @@ CLASSES = (
     layers.LAMINA_OT_layer_move,
     layers.LAMINA_OT_sheet_close,
     layers.LAMINA_OT_phase_replace,
+    layers.LAMINA_OT_coats_replace,
     layers.LAMINA_OT_profile_replace,
     layers.LAMINA_OT_match_colors,
     layers.LAMINA_OT_metal,

@@ -6,7 +6,7 @@ import bpy
 from ..base import native
 from ..editing import layer_list, matched_colors, metals
 from ..properties.layer_properties import LAYER_KINDS
-from ..stack_json import phases, profiles
+from ..stack_json import coats, phases, profiles
 from . import common
 
 
@@ -119,6 +119,21 @@ class LAMINA_OT_phase_replace(bpy.types.Operator):
         if owner is None:
             return {"CANCELLED"}
         phases.replace(owner.bottom if self.bottom and not self.base else owner)
+        return {"FINISHED"}
+
+
+class LAMINA_OT_coats_replace(bpy.types.Operator):
+    bl_idname = "lamina.coats_replace"
+    bl_label = "Replace Films"
+    bl_description = "Discard the imported films of the flakes and choose another one here"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.has_layer(cls, context)
+
+    def execute(self, context):
+        coats.replace(layer_list.active_layer(common.material_of(context)))
         return {"FINISHED"}
 
 

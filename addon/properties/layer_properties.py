@@ -13,7 +13,7 @@ from ..base import changes, decimals
 from ..kinds import bases, boundaries, media, phases
 from ..kinds import metals as metal_table
 from ..kinds.fields import all_fields
-from ..kinds.flakes import PEARL, Flakes
+from ..kinds.flakes import COAT, PEARL, Flakes
 from ..kinds.layers import DESCRIBED
 from ..stack_json import solved_colours
 from .described import choice, entries, having, number, option, per_channel, quantities, switch, text
@@ -128,7 +128,7 @@ class LaminaDepth(MediumProperties, bpy.types.PropertyGroup):
     """The bottom of a medium that changes with depth."""
 
 
-@having(quantities(field for cls in DESCRIBED.values() for field in all_fields(cls)))
+@having(quantities((*(field for cls in DESCRIBED.values() for field in all_fields(cls)), *COAT)))
 class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
     name: StringProperty(
         name="Name", description="Name of this layer", default="Layer", options=set()
@@ -161,6 +161,9 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
         "Flakes of", entries(form.item for form in Flakes.forms), "What the flakes are made of"
     )
     pearl: option(PEARL)
+    coats_text: StringProperty(
+        name="Imported Films", description="JSON, as it was imported", update=changes.edited, options=set()
+    )
     varying: switch(
         "Varying",
         "Give the node group an input: of a medium, flakes or fibers the Thickness, from 0 to this layer's "

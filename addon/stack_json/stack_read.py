@@ -12,10 +12,11 @@ from ..base.messages import RefusedError, unusual_channels
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Measured
 from ..kinds.fields import Option
+from ..kinds.flakes import COATS
 from ..kinds.layers import DESCRIBED
 from ..kinds.measured import TableText
 from ..kinds.spectra import ILLUMINANT
-from . import phases
+from . import coats, phases
 
 NEWER = "this version of the add-on does not know it"
 FIRST_NAMES = {"medium": "Layer", "interface": "Interface",
@@ -76,6 +77,8 @@ def _described(cls, entry, where):
         values[cls.form_prop] = form.item.id
         fields = (*form, *fields)
     values |= {field.prop: _value(field, entry, where) for field in fields}
+    if COATS in cls.options:
+        values |= coats.values(entry.get(COATS.name), values[cls.form_prop])
     return values | _options(cls, entry, where)
 
 
@@ -109,7 +112,7 @@ def _value(quantity, entry, where):
 def _options(cls, entry, where):
     """Values of the options of a kind; the usual value if the entry lacks an option."""
     return {option.name: _option(option, entry.get(option.name, option.usual), f"{where}.{option.name}")
-            for option in cls.options}
+            for option in cls.options if option is not COATS}
 
 
 def _option(option, value, where):

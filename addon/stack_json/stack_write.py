@@ -10,10 +10,12 @@ import json
 from ..base.decimals import shortest
 from ..kinds import bases, boundaries, media
 from ..kinds.fields import Option, panel_fields
+from ..kinds.films import Coats
+from ..kinds.flakes import BY_FILM, BY_SPECTRUM
 from ..kinds.layers import DESCRIBED
 from ..kinds.limits import STACK_SCHEMA
 from ..kinds.spectra import ILLUMINANT
-from . import phases, profiles
+from . import coats, phases, profiles
 
 
 def stack(settings):
@@ -28,10 +30,17 @@ def stack(settings):
 
 
 def has_spectra(settings):
-    """True if a layer has a pigment, or the base is a metal by its spectrum."""
+    """True if a layer has a pigment or films on flakes, or flakes or the base are a metal by its spectrum."""
     base = settings.base
     by_name = base.kind == bases.Conductor.kind and base.metal_form == "spectrum"
-    return by_name or any(one.kind == "medium" and one.mode == "pigment" for one in settings.layers)
+    return by_name or any(_has_spectra(one) for one in settings.layers)
+
+
+def _has_spectra(layer):
+    if layer.kind == "medium":
+        return layer.mode == "pigment"
+    spectral = layer.flake_form in (BY_FILM.item.id, BY_SPECTRUM.item.id) or bool(coats.imported(layer))
+    return layer.kind == "flakes" and spectral
 
 
 def _light(settings):
@@ -127,12 +136,14 @@ def _value(quantity, owner):
 def _options(cls, owner):
     """The options without their usual value."""
     chosen = {one.name: _chosen(one, owner) for one in cls.options}
-    usual = {one.name: list(one.usual) if one.several else one.usual for one in cls.options}
+    usual = {one.name: one.plain(one.usual) for one in cls.options}
     return {name: value for name, value in chosen.items() if value != usual[name]}
 
 
 def _chosen(option, owner):
-    """The value of an option; several values as a list in the order of the option's items."""
+    """The value of an option; several values as a list in the order of the option's items, films as one."""
+    if isinstance(option, Coats):
+        return coats.to_json(owner)
     value = getattr(owner, option.name)
     return [item.id for item in option.items if item.id in value] if option.several else value
 

@@ -12,9 +12,9 @@ from ..editing import metals, sparkle
 from ..kinds import boundaries, media
 from ..kinds.bases import BASES, Conductor, Measured
 from ..kinds.fields import Option, panel_fields
-from ..kinds.flakes import BY_COLOUR
+from ..kinds.flakes import BY_COLOUR, BY_FILM, COAT, COAT_THICKNESS
 from ..kinds.layers import DESCRIBED
-from ..stack_json import profiles, solved_colours
+from ..stack_json import coats, profiles, solved_colours
 
 NO_ALBEDO = "No albedo gives this color"
 
@@ -87,7 +87,21 @@ def _draw_described(column, layer):
     if layer.kind == "flakes":
         if layer.flake_form == BY_COLOUR.item.id:
             column.prop(layer, "pearl")
+        _draw_coats(column, layer)
         _draw_sparkle(column, layer.id_data)
+
+
+def _draw_coats(column, layer):
+    """The films on flakes."""
+    imported = coats.imported(layer)
+    if imported:
+        row = labelled(column, "Films", f"Imported: {imported}")
+        row.operator("lamina.coats_replace", text="", icon="X")
+        if coats.has_own_thickness(layer):
+            draw_number(column, layer, COAT_THICKNESS)
+    elif layer.flake_form == BY_FILM.item.id:
+        for field in COAT:
+            draw_number(column, layer, field)
 
 
 def _draw_sparkle(column, material):

@@ -23,8 +23,8 @@ namespace {
 
 using namespace lamina;
 
-/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index; of fibers: alpha and
-/// translucency; see Flakes.
+/// `parameters` of flakes: alpha, share of the extinction, and for metal flakes the complex index, or FilmedFlakes of
+/// the same alpha; of fibers: alpha and translucency; see Flakes.
 Medium make_medium(double albedo, double tau, const std::string& phase, const py::args& parameters) {
   if (phase == "fibers") {
     const Flakes sides{.alpha = parameters[0].cast<double>(), .translucency = parameters[1].cast<double>()};
@@ -34,7 +34,9 @@ Medium make_medium(double albedo, double tau, const std::string& phase, const py
     return {albedo, tau, make_phase(phase, parameters)};
   }
   Flakes flakes{parameters[0].cast<double>(), parameters[1].cast<double>()};
-  if (parameters.size() > 2) {
+  if (parameters.size() > 2 && py::isinstance<FilmedFlakes>(parameters[2])) {
+    flakes.filmed = parameters[2].cast<std::shared_ptr<FilmedFlakes>>();
+  } else if (parameters.size() > 2) {
     flakes.metal = parameters[2].cast<std::complex<double>>();
   }
   return {albedo, tau, PhaseFunction(), std::make_shared<const Flakes>(flakes)};
@@ -51,17 +53,20 @@ Facets make_facets(double alpha, const std::string& distribution, bool correlate
 }
 
 std::shared_ptr<Film> make_film(
-    double ior_above, bool opaque,
+    double ior_above, const std::string& below,
     const std::vector<std::tuple<double, std::complex<double>, std::vector<std::pair<std::complex<double>, double>>>>&
         waves) {
   std::vector<Film::Wave> made;
-  for (const auto& [weight, below, sheets] : waves) {
-    made.push_back({weight, below, {}});
+  for (const auto& [weight, ior_below, sheets] : waves) {
+    made.push_back({weight, ior_below, {}});
     for (const auto& [ior, thickness] : sheets) {
       made.back().sheets.push_back({ior, thickness});
     }
   }
-  return std::make_shared<Film>(ior_above, opaque, std::move(made));
+  const auto kind = below == "platelet" ? Film::Below::kPlatelet
+                    : below == "metal"  ? Film::Below::kMetal
+                                        : Film::Below::kMedium;
+  return std::make_shared<Film>(ior_above, kind, std::move(made));
 }
 
 auto fields(const Facets& facets) {
@@ -81,11 +86,16 @@ void bind_parts(py::module_& module) {
           "__eq__", [](const Facets& a, const Facets& b) { return fields(a) == fields(b); }, py::is_operator())
       .def("__hash__", [](const Facets& facets) { return py::hash(py::cast(fields(facets))); });
 
-  py::class_<Film, std::shared_ptr<Film>>(
-      module, "Film",
-      "Thin films on a boundary, or on a metal if `opaque`. `waves`: (weight, index below, [(index, thickness in "
-      "wavelengths), ...] top first) by wavelength.")
-      .def(py::init(&make_film), py::arg("ior_above"), py::arg("opaque"), py::arg("waves"));
+  py::class_<Film, std::shared_ptr<Film>>(module, "Film",
+                                          "Thin films on a 'medium', on a 'metal', or on both faces of a 'platelet'. "
+                                          "`waves`: (weight, index below, [(index, "
+                                          "thickness in wavelengths), ...] outermost first) by wavelength.")
+      .def(py::init(&make_film), py::arg("ior_above"), py::arg("below"), py::arg("waves"));
+
+  py::class_<FilmedFlakes, std::shared_ptr<FilmedFlakes>>(
+      module, "FilmedFlakes", "Flakes with films on a metal or a platelet, for flakes of the spread `alpha`.")
+      .def(py::init([](const Film& film, double alpha) { return std::make_shared<FilmedFlakes>(film, alpha); }),
+           py::arg("film"), py::arg("alpha"));
 
   py::class_<Interface>(module, "Interface")
       .def(py::init([](double ior, const Facets& facets, std::shared_ptr<Film> film) {

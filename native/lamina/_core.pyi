@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'SlicesBelowMedium', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FilmedFlakes', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'SlicesBelowMedium', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -59,9 +59,15 @@ class Facets:
         ...
 class Film:
     """
-    Thin films on a boundary, or on a metal if `opaque`. `waves`: (weight, index below, [(index, thickness in wavelengths), ...] top first) by wavelength.
+    Thin films on a 'medium', on a 'metal', or on both faces of a 'platelet'. `waves`: (weight, index below, [(index, thickness in wavelengths), ...] outermost first) by wavelength.
     """
-    def __init__(self, ior_above: typing.SupportsFloat | typing.SupportsIndex, opaque: bool, waves: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex, collections.abc.Sequence[tuple[complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]]]) -> None:
+    def __init__(self, ior_above: typing.SupportsFloat | typing.SupportsIndex, below: str, waves: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex, collections.abc.Sequence[tuple[complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]]]]) -> None:
+        ...
+class FilmedFlakes:
+    """
+    Flakes with films on a metal or a platelet, for flakes of the spread `alpha`.
+    """
+    def __init__(self, film: Film, alpha: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class Interface:
     def __init__(self, ior: typing.SupportsFloat | typing.SupportsIndex, facets: Facets = ..., film: Film = None) -> None:

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -14,6 +13,8 @@ namespace {
 
 using Complex = std::complex<double>;
 using std::numbers::pi;
+
+constexpr double kExact = 1e-12;
 
 /// The transfer matrix of all films for one polarisation, without a factor exp(growth), which might overflow.
 struct Transfer {
@@ -62,12 +63,13 @@ struct Film::Normals {
   }
 };
 
-Film::Film(double ior_above, bool opaque, std::vector<Wave> waves)
+Film::Film(double ior_above, Below below, std::vector<Wave> waves)
     : ior_above_(ior_above),
-      ior_below_(opaque || waves.empty() ? ior_above : waves.front().ior_below.real()),
-      lossless_(!opaque),
+      ior_below_(below != Below::kMedium || waves.empty() ? ior_above : waves.front().ior_below.real()),
+      below_(below),
+      lossless_(below != Below::kMetal),
       waves_(std::move(waves)) {
-  key_ = {ior_above_, opaque ? 1.0 : 0.0};
+  key_ = {ior_above_, static_cast<double>(below)};
   for (const Wave& wave : waves_) {
     key_.insert(key_.end(), {wave.weight, wave.ior_below.real(), wave.ior_below.imag()});
     for (const Sheet& sheet : wave.sheets) {
@@ -78,9 +80,10 @@ Film::Film(double ior_above, bool opaque, std::vector<Wave> waves)
   const double rare = std::min(ior_above_, ior_below_);
   const double dense = std::max(ior_above_, ior_below_);
   const double largest = std::sqrt(dense * dense - rare * rare);
-  passing_ = Table(1.0, [&](double mu) { return sums({rare, dense, rare * mu, std::hypot(largest, rare * mu)}); });
+  passing_ =
+      Table(1.0, kExact, [&](double mu) { return sums({rare, dense, rare * mu, std::hypot(largest, rare * mu)}); });
   if (dense > rare && !lossless_) {
-    total_ = Table(0.5 * pi, [&](double angle) {
+    total_ = Table(0.5 * pi, kExact, [&](double angle) {
       return sums({rare, dense, Complex(0.0, largest * std::sin(angle)), largest * std::cos(angle)});
     });
   }
@@ -104,11 +107,24 @@ Film::Values Film::sums(const Normals& normals) const {
       const Complex e_back = films.m22 + films.m12 * first;
       const Complex h_back = films.m21 + films.m11 * first;
       const Complex sum = first * e + h;  // of the light from below too, in absolute value
-      both[0] += 0.5 * std::norm((first * e - h) / sum);
-      both[1] += 0.5 * std::norm((last * e_back - h_back) / sum);
-      both[2] += 0.5 * 4.0 * first.real() * last.real() / std::norm(sum) * std::exp(-2.0 * films.growth);
+      const double outside = std::norm((first * e - h) / sum);
+      const double inside = std::norm((last * e_back - h_back) / sum);
+      const double passed = 4.0 * first.real() * last.real() / std::norm(sum) * std::exp(-2.0 * films.growth);
+      if (below_ == Below::kPlatelet) {
+        // Light to and fro between both faces
+        const double lost = 1.0 - inside * inside;
+        const double leaves = lost > 0.0 ? passed / lost : 0.0;
+        const double reflected = outside + leaves * inside * passed;
+        both[0] += 0.5 * reflected;
+        both[1] += 0.5 * reflected;
+        both[2] += 0.5 * leaves * passed;
+      } else {
+        both[0] += 0.5 * outside;
+        both[1] += 0.5 * inside;
+        both[2] += 0.5 * passed;
+      }
     }
-    for (std::size_t f = 0; f < kFunctions; ++f) {
+    for (std::size_t f = 0; f < all.size(); ++f) {
       all[f] += wave.weight * both[f];
     }
   }
@@ -118,7 +134,7 @@ Film::Values Film::sums(const Normals& normals) const {
 double Film::reflectance(double mu, Side side) const {
   const double here = ior_of(side);
   const double beyond = ior_of(side == Side::kAbove ? Side::kBelow : Side::kAbove);
-  const int function = side == Side::kAbove ? 0 : 1;
+  const std::size_t function = side == Side::kAbove ? 0 : 1;
   double value = 0.0;
   if (here <= beyond) {
     value = passing_.at(function, mu);
@@ -156,56 +172,6 @@ double Film::mean_reflectance() const {
     sum += 2.0 * rule.mu[k] * rule.weight[k] * reflectance(rule.mu[k], Side::kAbove);
   }
   return sum;
-}
-
-Film::Table::Table(double high, const std::function<Values(double)>& values) {
-  constexpr double kExact = 1e-12;
-  constexpr double kNarrowest = 1e-6;
-  constexpr std::size_t kMostPanels = 1024;
-  const std::function<void(double, double)> add = [&](double low, double top) {
-    std::array<Values, kTerms> sampled;
-    for (int k = 0; k < kTerms; ++k) {
-      const double x = std::cos(pi * (k + 0.5) / kTerms);
-      sampled[static_cast<std::size_t>(k)] = values(low + 0.5 * (x + 1.0) * (top - low));
-    }
-    std::array<std::array<double, kTerms>, kFunctions> panel{};
-    bool exact = true;
-    for (std::size_t f = 0; f < kFunctions; ++f) {
-      for (int n = 0; n < kTerms; ++n) {
-        double sum = 0.0;
-        for (int k = 0; k < kTerms; ++k) {
-          sum += sampled[static_cast<std::size_t>(k)][f] * std::cos(pi * n * (k + 0.5) / kTerms);
-        }
-        panel[f][static_cast<std::size_t>(n)] = (n == 0 ? 1.0 : 2.0) / kTerms * sum;
-      }
-      exact = exact && std::abs(panel[f][kTerms - 1]) + std::abs(panel[f][kTerms - 2]) < kExact;
-    }
-    if (!exact && top - low > kNarrowest && panels_.size() < kMostPanels) {
-      const double middle = 0.5 * (low + top);
-      add(low, middle);
-      add(middle, top);
-      return;
-    }
-    starts_.push_back(low);
-    ends_.push_back(top);
-    panels_.push_back(panel);
-  };
-  add(0.0, high);
-}
-
-double Film::Table::at(int function, double x) const {
-  const auto place = std::lower_bound(ends_.begin(), ends_.end() - 1, x);
-  const auto panel = static_cast<std::size_t>(place - ends_.begin());
-  const std::array<double, kTerms>& terms = panels_[panel][static_cast<std::size_t>(function)];
-  const double t = 2.0 * (2.0 * (x - starts_[panel]) / (ends_[panel] - starts_[panel]) - 1.0);
-  double one = 0.0;  // Clenshaw's recurrence
-  double two = 0.0;
-  for (std::size_t n = kTerms - 1; n > 0; --n) {
-    const double next = t * one - two + terms[n];
-    two = one;
-    one = next;
-  }
-  return 0.5 * t * one - two + terms[0];
 }
 
 }  // namespace lamina

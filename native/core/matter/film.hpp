@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Thin films between two media, or on a metal, whose reflections interfere.
+// Thin films between two media, on a metal, or on both faces of a platelet, whose reflections interfere.
 #pragma once
-#include <array>
 #include <complex>
-#include <functional>
+#include <cstddef>
 #include <vector>
+
+#include "numeric/chebyshev_panels.hpp"
 
 namespace lamina {
 
@@ -15,20 +16,23 @@ namespace lamina {
 class Film {
  public:
   enum class Side { kAbove, kBelow };
+  /// What lies below the films. A platelet is clear, has the same films on its other face and the medium above beyond
+  /// them; it is too thick, or too uneven, for interference of light from both faces.
+  enum class Below { kMedium, kMetal, kPlatelet };
   /// One film: its index at a wavelength, and its thickness in wavelengths.
   struct Sheet {
     std::complex<double> ior;
     double thickness;
   };
-  /// A wavelength of the channel: its weight, which may be negative, the index below, and the films, top first.
+  /// A wavelength of the channel: its weight, which may be negative, the index below, and the films, outermost first.
   struct Wave {
     double weight;
     std::complex<double> ior_below;
     std::vector<Sheet> sheets;
   };
 
-  /// Films between two dielectrics; the index below is the same in all waves. Or, if `opaque`, films on a metal.
-  Film(double ior_above, bool opaque, std::vector<Wave> waves);
+  /// Of films between two media, the index below is the same in all waves.
+  Film(double ior_above, Below below, std::vector<Wave> waves);
 
   /// The reflectance for light at this cosine on this side, also beyond the critical angle. Weights of both signs can
   /// give values outside [0, 1], colours that no display shows; these are clipped.
@@ -37,26 +41,15 @@ class Film {
   double transmittance(double mu, Side side) const;
   /// The reflectance from above for uniform diffuse light.
   double mean_reflectance() const;
+  bool is_opaque() const { return below_ == Below::kMetal; }
+  /// True if no light is absorbed.
+  bool conserves() const { return lossless_; }
   /// All parameters: equal films have equal keys.
   const std::vector<double>& key() const { return key_; }
 
  private:
-  static constexpr int kTerms = 16;
-  static constexpr int kFunctions = 3;
-  using Values = std::array<double, kFunctions>;  // reflectance from above, from below, transmittance
-
-  /// Functions of one variable, in panels that are halved until the polynomials are exact.
-  class Table {
-   public:
-    Table() = default;
-    Table(double high, const std::function<Values(double)>& values);
-    double at(int function, double x) const;
-
-   private:
-    std::vector<double> ends_;  // the upper ends of the panels
-    std::vector<double> starts_;
-    std::vector<std::array<std::array<double, kTerms>, kFunctions>> panels_;
-  };
+  using Table = ChebyshevPanels<3>;
+  using Values = Table::Values;  // reflectance from above, from below, transmittance
 
   double ior_of(Side side) const { return side == Side::kAbove ? ior_above_ : ior_below_; }
   struct Normals;
@@ -64,8 +57,9 @@ class Film {
   Values sums(const Normals& normals) const;
 
   double ior_above_;
-  double ior_below_;  // that above for an opaque boundary
-  bool lossless_;     // without absorption, and not opaque
+  double ior_below_;  // where light arrives that passes: that above for a metal or a platelet
+  Below below_;
+  bool lossless_;  // without absorption
   std::vector<Wave> waves_;
   std::vector<double> key_;
   Table passing_;  // by the cosine on the side of the smaller index

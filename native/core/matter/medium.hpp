@@ -49,7 +49,7 @@ struct TruncatedMedium {
   /// The cosine with which the medium attenuates a ray, as exp(-tau / cosine): flakes show less area to oblique rays.
   double optical(double mu) const { return flakes ? mu / flakes->extinction(mu) : mu; }
   /// True if no light is absorbed.
-  bool conserves() const { return albedo == 1.0 && !(flakes && flakes->metal); }
+  bool conserves() const { return albedo == 1.0 && !(flakes && flakes->absorb()); }
 
   /// The albedo for single scattering by the untruncated phase function (TMS, Nakajima and Tanaka 1988). The truncated
   /// peak counts as unscattered in the attenuation only.

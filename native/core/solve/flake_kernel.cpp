@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 
 namespace lamina {
 namespace {
@@ -36,6 +38,26 @@ struct Pair {
   }
 };
 
+/// Throws std::runtime_error unless the error of a fit, its root mean square over diffuse light, is a small share of
+/// the mean `reflected`, for cosines with the distances of equidistant square roots.
+void check_fit(const VectorXd& cosine, const VectorXd& reflected, const VectorXd& error) {
+  constexpr double kLeastMean = 1e-3;
+  constexpr double kAllowed = 0.05;  // light that flakes reflect repeatedly is then off by at most some .5 %
+  const ArrayXd weight = cosine.array() * cosine.array().sqrt();
+  const double mean = (weight * reflected.array()).sum() / weight.sum();
+  if (mean < kLeastMean) {
+    throw std::runtime_error(
+        "flakes with films: they reflect next to nothing: the index of platelets must differ more "
+        "from that of the binder");
+  }
+  const double found = std::sqrt((weight * error.array().square()).sum() / weight.sum()) / mean;
+  if (!(found < kAllowed)) {
+    throw std::runtime_error("flakes with films: what they reflect changes too fast with the angle: error " +
+                             std::to_string(found) +
+                             " (allowed 0.05); thinner films, or no index below that of the binder, can be solved");
+  }
+}
+
 /// The Fresnel factor of flakes as a constant and poles in the square of the cosine.
 struct FresnelFit {
   double constant = 1.0;
@@ -43,25 +65,38 @@ struct FresnelFit {
   std::vector<double> weight;
 
   explicit FresnelFit(const Flakes& flakes) {
-    if (!flakes.metal) {
+    if (!flakes.metal && !flakes.filmed) {
       return;
     }
-    constexpr int kPoles = 12;
+    const int poles = flakes.filmed ? 28 : 12;
+    const double first = flakes.filmed ? 1e-7 : 1e-6;
+    const double ratio = flakes.filmed ? 2.0 : 4.0;
     constexpr Index kSamples = 400;
+    constexpr double kLeastSeen = 1e-4;
     // Samples are dense at grazing incidence, where the factor rises steeply.
     const ArrayXd cosine = ArrayXd::LinSpaced(kSamples, 0.0, 1.0).square();
-    for (int k = 0; k < kPoles; ++k) {
-      pole.push_back(1e-6 * std::pow(4.0, k));
+    for (int k = 0; k < poles; ++k) {
+      pole.push_back(first * std::pow(ratio, k));
     }
-    MatrixXd terms = MatrixXd::Ones(kSamples, kPoles + 1);
-    for (Index k = 0; k < kPoles; ++k) {
+    MatrixXd terms = MatrixXd::Ones(kSamples, poles + 1);
+    for (Index k = 0; k < poles; ++k) {
       const double t = pole[static_cast<std::size_t>(k)];
       terms.col(k + 1) = t / (cosine.square() + t);
     }
-    const VectorXd wanted = cosine.unaryExpr([&](double c) { return flakes.reflectance(c); });
+    const VectorXd reflected = cosine.unaryExpr([&](double c) { return flakes.reflectance(c); });
+    VectorXd wanted = reflected;
+    if (flakes.filmed) {
+      // Films may reflect little, of which errors are to be a small share.
+      const VectorXd share = reflected.cwiseMax(kLeastSeen).cwiseInverse();
+      terms = share.asDiagonal() * terms;
+      wanted = share.cwiseProduct(reflected);
+    }
     const VectorXd found = terms.colPivHouseholderQr().solve(wanted);
+    if (flakes.filmed) {
+      check_fit(cosine, reflected, (terms * found - wanted).cwiseProduct(reflected.cwiseMax(kLeastSeen)));
+    }
     constant = found[0];
-    for (Index k = 0; k < kPoles; ++k) {
+    for (Index k = 0; k < poles; ++k) {
       weight.push_back(found[k + 1] * pole[static_cast<std::size_t>(k)]);
     }
   }
@@ -173,6 +208,16 @@ FlakeKernel::FlakeKernel(const Flakes& flakes, const Directions& directions) : t
     const double sine = std::sqrt(sine_squared(mu));
     cusp_[i] = directions.weight[i] * std::hypot(flakes.alpha, mu / sine) / sine;
   }
+  if (flakes.filmed) {
+    const PhaseKernel mean = order(0);
+    const VectorXd weight = extinction.head(columns).cwiseProduct(directions.weight.head(columns));
+    const VectorXd found = 0.5 * (mean.reflect + mean.transmit).topLeftCorner(columns, columns) * weight;
+    misfit_.resize(columns);
+    for (Index i = 0; i < columns; ++i) {
+      const double wanted = flakes.filmed->reflecting_area(directions.mu[i]) / extinction[i];
+      misfit_[i] = 2.0 * (wanted - found[i]) / weight[i];
+    }
+  }
 }
 
 MatrixXd FlakeKernel::order_of(const Part& part, int m) const {
@@ -198,6 +243,9 @@ PhaseKernel FlakeKernel::order(int m) const {
   PhaseKernel kernel(order_of(parts_[0], m), order_of(parts_[1], m));
   for (Index i = 0; i < correction_.size(); ++i) {
     kernel.transmit(i, i) += correction_[i] * cusp_error(m * cusp_[i]);
+  }
+  if (m == 0 && misfit_.size() > 0) {
+    kernel.transmit.diagonal().head(misfit_.size()) += misfit_;
   }
   return kernel;
 }

@@ -21,13 +21,16 @@ double flake_phase(const Flakes& flakes, double mu_o, double mu_i, double turn, 
 /// The azimuth orders of scattering by flakes between directions and live nodes; of matte flakes see MatteKernel. Of
 /// mirrors these are the orders of flake_phase. With x = cos(dphi), D is a rational function,
 /// (a (N - Q x) / (P - Q x))^2 / pi, and 4 c^2 = N - Q x for the cosine c at the flake. The Fresnel factor of a metal
-/// is fitted by f + sum of w / (c^2 + t), with errors up to 4e-4 at grazing incidence and 2e-4 elsewhere. The Fourier
-/// coefficients of each term are then geometric.
+/// is fitted by f + sum of w / (c^2 + t), with errors up to 4e-4 at grazing incidence and 2e-4 elsewhere. The
+/// reflectance of films takes more poles. Its relative errors are up to 4e-4 as long as index times thickness is
+/// below 1.2 wavelengths and no index is below that of the binder; the constructor throws std::runtime_error for large
+/// ones. The Fourier coefficients of each term are then geometric.
 ///
 /// The scattering between nearly equal directions depends on the azimuth of their difference, even for small
 /// differences, so order m has a cusp |d| exp(-m k |d|) at equal cosines, d their difference, which nodes integrate
 /// with an error. The diagonal corrects this error, which is known in order 0 from the norm of white flakes. Flakes
-/// that turn light so little are met edge-on, where metals reflect all.
+/// that turn light so little are met edge-on, where metals reflect all. The order 0 of flakes with films has their
+/// norm, so that the misfit of their reflectance neither adds nor takes light.
 class FlakeKernel {
  public:
   FlakeKernel(const Flakes& flakes, const Directions& directions);
@@ -51,6 +54,7 @@ class FlakeKernel {
   Eigen::Index targets_;
   std::array<Part, 2> parts_;   // reflection, transmission
   Eigen::VectorXd correction_;  // of order 0, by live node
+  Eigen::VectorXd misfit_;      // of order 0 with films, by live node
   Eigen::VectorXd cusp_;        // k times the distance of nodes
 };
 

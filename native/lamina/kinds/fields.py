@@ -130,6 +130,10 @@ class Option:
         """The value of a thing that does not choose."""
         return self.values if self.several else self.values[0]
 
+    def plain(self, value):
+        """JSON form of a checked value."""
+        return list(value) if self.several else value
+
     def check(self, value, path: str):
         """The value, several ids as a tuple in the order of `items`. Raises StackError, naming `path`, unless it is
         allowed."""

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from .errors import StackError, quoted
-from .fields import Channels, Field
+from .fields import Channels, Field, check_keys
 from .hashable import Hashable
 from .panel import Item, Panel
-from .spectra import Spectrum
+from .spectra import Spectrum, read_spectrum
 
 FILM_IOR = Field("ior", 0.01, 10.0, panel=Panel(
     "Film Index", "Refractive index of the film, real part", 1.8, step=1, precision=3, words="film index",
@@ -20,6 +21,9 @@ EXTINCTION = Field("k", 0.0, 20.0, panel=Panel(
 FILM_THICKNESS = Field("thickness", 0.0, 5000.0, "nm", single=True, panel=Panel(
     "Film Thickness (nm)", "Thickness of the film in nanometres: the colors of the first order lie below about 300",
     100.0, soft_high=1000.0, step=100, precision=1, words="film thickness", prop="film_thickness"))
+
+
+MOST_COATS = 16
 
 
 @dataclass(frozen=True)
@@ -72,3 +76,47 @@ class Film(Hashable):
         """True unless k is 0 everywhere."""
         values = self.k.values if isinstance(self.k, Spectrum) else self.k
         return any(values) if isinstance(values, tuple) else values != 0.0
+
+
+@dataclass(frozen=True)
+class Coats:
+    """The description of a member that holds the films on a flake, outermost first, in place of an Option. A film may
+    be given as its JSON object."""
+
+    name: str
+
+    usual = ()
+    several = False
+
+    def check(self, value, path: str) -> tuple[Film, ...]:
+        """The films with floats. Raises StackError, naming `path`."""
+        films = [value] if isinstance(value, Film | Mapping) else value
+        if not isinstance(films, list | tuple) or len(films) > MOST_COATS:
+            given = f" has {len(films)} entries" if isinstance(films, list | tuple) else f" = {quoted(value)}"
+            raise StackError(f"{path}{given}: must be a Film or a list of at most {MOST_COATS}, outermost first")
+        return tuple(_checked(film, f"{path}[{number}]") for number, film in enumerate(films))
+
+    @staticmethod
+    def plain(films: tuple[Film, ...]) -> list[dict]:
+        """JSON objects of checked films."""
+        return [{name: value.to_json() if isinstance(value, Spectrum) else value for name, value in (
+            ("ior", film.ior), ("k", film.k), ("thickness", film.thickness)) if name != "k" or film.absorbs}
+            for film in films]
+
+
+def _checked(film, path: str) -> Film:
+    if isinstance(film, Mapping):
+        check_keys(film, {"ior", "k", "thickness"}, path, required={"ior", "thickness"})
+        film = Film(**{name: read_spectrum(value, f"{path}.{name}") for name, value in film.items()})
+    if not isinstance(film, Film):
+        raise StackError(f"{path} = {quoted(film)}: must be a Film")
+    values: dict = {}
+    for field in Film.fields:
+        value, where = getattr(film, field.name), f"{path}.{field.name}"
+        if isinstance(value, Spectrum) and not field.single:
+            values[field.name] = value.checked(field, where)
+            continue
+        values[field.name] = field.check(value, where)
+        if isinstance(values[field.name], tuple):
+            raise StackError(f"{where} = {quoted(value)}: must be one number or a Spectrum on a flake")
+    return replace(film, **values, name="")

@@ -34,6 +34,11 @@ class TableText:
     usual = None
     several = False
 
+    @staticmethod
+    def plain(value: str) -> str:
+        """JSON form."""
+        return value
+
     def check(self, value, path: str) -> str:
         """The text. Raises StackError unless it is a table."""
         if not value:

@@ -29,7 +29,7 @@ def names_a_substance(thing) -> bool:
 
 def is_spectral(thing) -> bool:
     """True for a part of a stack that needs wavelengths."""
-    return names_a_substance(thing) or has_spectrum(thing)
+    return names_a_substance(thing) or has_spectrum(thing) or bool(getattr(thing, "film", ()))
 
 
 class SpectralParts(NamedTuple):

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 MIDDLE = 0.7  # cosine at which the picture shows a measured base
 WIDTH, TEXT = 150.0, 330.0  # of the picture, and of the words beside it
 THIN, THICK, BOUNDARY, BASE = 14.0, 46.0, 4.0, 30.0  # heights in pixels
+FILM = "#c060c0"
 
 
 def stack_picture(stack: Stack) -> str:
@@ -40,12 +41,13 @@ def stack_picture(stack: Stack) -> str:
             words += f" and {layer.alpha_v:g}" if is_oriented(layer) else ""
             words += ", varying" if layer.varying else ""
         elif isinstance(layer, Film):
-            height, fill = BOUNDARY, "#c060c0"
+            height, fill = BOUNDARY, FILM
             words = f"thin film, {layer.thickness:g} nm"
             words += "" if isinstance(layer.ior, Spectrum | complex) else f", ior {_range(layer.ior, stack)}"
         elif isinstance(layer, OrientedLayer):
             height = THIN + (THICK - THIN) * _share(max(stack.optics(number, c)[1] for c in range(stack.channels)))
-            fill = _fill(stack, _colour_of_flakes(layer, stack.channels))
+            is_clear = isinstance(layer, Flakes) and (layer.film or layer.ior is not None)
+            fill = FILM if is_clear else _fill(stack, _colour_of_flakes(layer, stack.channels))
             way = f"tilt {layer.tilt:.3g}" if isinstance(layer, Fibers) else f"alpha {layer.alpha:g}"
             words = f"{layer.kind}, tau {_range(layer.tau, stack)}, {way}"
             words += ", varying" if layer.varying else ""

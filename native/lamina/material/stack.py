@@ -114,7 +114,7 @@ class Stack(Requirements):
         if isinstance(self.base, Conductor):
             object.__setattr__(self, "_indices", indices_of(self.base, self.channels, "base"))
         for number, layer in enumerate(checked):
-            if isinstance(layer, Flakes) and layer.reflectance is None:
+            if isinstance(layer, Flakes) and layer.is_metal:
                 self.flake_indices(number)
 
     def _repr_html_(self) -> str:

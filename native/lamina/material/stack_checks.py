@@ -11,6 +11,7 @@ from ..kinds.bases import Base, Conductor, Measured
 from ..kinds.boundaries import Interface
 from ..kinds.fields import Channels, channel, check_forms
 from ..kinds.films import Film
+from ..kinds.flakes import Flakes
 from ..kinds.layers import OrientedLayer
 from ..kinds.spectra import Spectrum
 from .layers import Medium
@@ -81,3 +82,6 @@ def check_films(layers: Sequence[Layer], base: Base | None, channels: int) -> No
                                  "indices")
         elif isinstance(layer, Interface):
             above = layer.ior
+        elif isinstance(layer, Flakes) and layer.film and layer.reflectance is not None:
+            raise StackError(f"layers[{number}].film: must be left out beside a reflectance; films lie on metals and "
+                             "on platelets of an ior")

@@ -35,9 +35,8 @@ def plain(thing) -> dict:
 
 def _unusual(thing) -> dict:
     """Options with an unusual value. Usual values are omitted, so a new option does not change earlier hashes."""
-    chosen = {one.name: getattr(thing, one.name) for one in thing.options}
-    return {one.name: list(chosen[one.name]) if one.several else chosen[one.name]
-            for one in thing.options if chosen[one.name] != one.usual}
+    chosen = {one: getattr(thing, one.name) for one in thing.options}
+    return {one.name: one.plain(value) for one, value in chosen.items() if value != one.usual}
 
 
 def canonical_layer(stack: Stack, index: int, albedos) -> dict:

@@ -14,7 +14,7 @@ from ..kinds.fields import channel
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
 from ..material.stack import Stack
-from .films import core_film
+from .films import core_film, core_flakes
 
 
 def core_stack(stack: Stack, index: int, all_facets: bool = False):
@@ -34,7 +34,7 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
             entries.append((_core.Interface, (above, _core.Facets(), None)))
         elif isinstance(layer, Flakes):
             entries.append((_core.Medium, (*layer.optics(index), Flakes.kind, layer.alpha, layer.share(index),
-                                           *_metal_of(stack, number, index, above))))
+                                           *_mirror_of(stack, number, index, above))))
         elif isinstance(layer, Fibers):
             entries.append((_core.Medium, (*layer.optics(index), Fibers.kind, layer.alpha, layer.translucency)))
         elif layer.profile is not None and layer.optics(index)[1] > 0.0:
@@ -56,13 +56,18 @@ def core_stack(stack: Stack, index: int, all_facets: bool = False):
     return (tuple(entries), base), [kind(*values) for kind, values in entries], core_base(base)
 
 
-def _metal_of(stack: Stack, number: int, index: int, ior: float) -> tuple[complex, ...]:
-    """The index of metal flakes in one channel, relative to that of their binder; nothing for other flakes."""
+def _mirror_of(stack: Stack, number: int, index: int, ior: float) -> tuple:
+    """What flakes in a binder of this index reflect by the angle in one channel: the index of metal flakes, relative to
+    the binder, or flakes with films; nothing for flakes that reflect the same at all angles."""
     layer = stack.layers[number]
-    if not isinstance(layer, Flakes) or layer.reflectance is not None:
+    assert isinstance(layer, Flakes)
+    if layer.reflectance is not None:
         return ()
+    if not layer.is_metal:
+        return (core_flakes(stack, layer, index, ior, channel(layer.ior, index)),)
     eta, k = stack.flake_indices(number)
-    return (complex(channel(eta, index), channel(k, index)) / ior,)
+    metal = complex(channel(eta, index), channel(k, index))
+    return (core_flakes(stack, layer, index, ior, metal),) if layer.film else (metal / ior,)
 
 
 @functools.lru_cache(maxsize=16)

@@ -71,3 +71,71 @@ def test_the_place_of_flakes(addon, material, flakes):
     place = addon.scene.place
     assert set(place.choices(flakes)) == {place.EVEN, place.PAINTED}
     assert place.of(material, flakes) == place.EVEN
+
+
+def layer_of(addon, material):
+    return next(one for one in addon.editing.stack_io.to_dict(material)["layers"] if one["kind"] == "flakes")
+
+
+def test_interference(addon, material, flakes):
+    flakes.flake_form = "film"
+    assert {"Film Thickness (nm)", "Film Index", "Platelet Index"} <= set(drawn_layer(addon, flakes))
+    assert "Flake Color" not in drawn_layer(addon, flakes)
+    flakes.coat_film_thickness = 95.0
+    entry = layer_of(addon, material)
+    assert (entry["ior"], entry["film"]) == (1.58, [{"ior": 2.5, "thickness": 95.0}])
+    stack = addon.editing.stack_io.to_stack(material)
+    assert stack.wavelengths is not None
+    addon.editing.stack_io.assign_stack(material, stack)
+    again = next(layer for layer in material.lamina.layers if layer.kind == "flakes")
+    assert (again.flake_form, again.coat_film_thickness, again.coats_text) == ("film", 95.0, "")
+    assert addon.editing.stack_io.to_stack(material).hash == stack.hash
+
+
+def test_platelets_without_a_film(addon, material, flakes):
+    flakes.flake_form, flakes.coat_film_thickness = "film", 0.0
+    stack = addon.editing.stack_io.to_stack(material)
+    assert "film" not in layer_of(addon, material) and stack.wavelengths is None
+    flakes.coat_film_thickness = 50.0
+    addon.editing.stack_io.assign_stack(material, stack)
+    assert addon.editing.stack_io.to_stack(material).hash == stack.hash
+
+
+@pytest.mark.parametrize("entry", [
+    {"ior": 1.58, "film": [{"ior": 1.46, "thickness": 100.0}, {"ior": 2.5, "thickness": 120.0}]},
+    {"metal": "aluminium", "film": [{"ior": 1.46, "thickness": 200.0}]},
+])
+def test_films_that_the_panel_keeps_as_they_are(addon, material, flakes, entry):
+    data = addon.editing.stack_io.to_dict(material)
+    place = next(k for k, one in enumerate(data["layers"]) if one["kind"] == "flakes")
+    data["layers"][place] = {"kind": "flakes", "name": "Pigment", "tau": 1.0, "alpha": 0.2, **entry}
+    addon.editing.stack_io.assign(material, data)
+    flakes = next(one for one in material.lamina.layers if one.kind == "flakes")
+    assert layer_of(addon, material)["film"] == entry["film"]
+    assert f"Imported: {len(entry['film'])} film" in " ".join(drawn_layer(addon, flakes))
+    material.lamina.active_layer = place
+    assert addon.stack_json.coats.imported(flakes)
+    addon.stack_json.coats.replace(flakes)
+    assert not addon.stack_json.coats.imported(flakes)
+
+
+def test_a_film_with_an_index_by_wavelength(addon, material, flakes):
+    """The panel keeps the index and edits the thickness."""
+    data = addon.editing.stack_io.to_dict(material)
+    place = next(k for k, one in enumerate(data["layers"]) if one["kind"] == "flakes")
+    film = {"ior": {"wavelengths": [400.0, 700.0], "values": [2.8, 2.5]}, "thickness": 110.0}
+    data["layers"][place] = {"kind": "flakes", "name": "Pigment", "tau": 1.0, "alpha": 0.2, "ior": 1.58, "film": [film]}
+    addon.editing.stack_io.assign(material, data)
+    flakes = next(one for one in material.lamina.layers if one.kind == "flakes")
+    assert layer_of(addon, material)["film"] == [film]
+    lines = drawn_layer(addon, flakes)
+    assert "Imported: index by wavelength" in lines and "Film Thickness (nm)" in lines and "Film Index" not in lines
+    flakes.coat_film_thickness = 90.0
+    assert layer_of(addon, material)["film"] == [{**film, "thickness": 90.0}]
+    assert film["thickness"] == 110.0
+
+
+def test_damaged_films_are_refused(addon, material, flakes):
+    flakes.flake_form, flakes.coats_text = "film", "[{"
+    with pytest.raises(addon.base.native.require().StackError, match=r"film = 'unreadable': must be a Film"):
+        addon.editing.stack_io.to_stack(material)

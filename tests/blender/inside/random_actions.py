@@ -15,7 +15,7 @@ HANGING = 900.0
 PRESETS = ("paper", "gold", "dusty-bronze", "leaf", "skin-light")
 # Operators that open a file dialogue, which waits for a user, and those that the add-on calls.
 NEVER = ("stack_export", "stack_import", "measured_base", "match_measurement", "preset_save", "profile_replace",
-         "phase_replace", "timer", "stop_previews")
+         "phase_replace", "coats_replace", "timer", "stop_previews")
 # Long work runs beside the window, as buttons start it: scripts would wait for its end.
 LONG = ("bake", "dust_settle", "interior", "lateral", "place", "trial")
 

@@ -21,6 +21,8 @@ HARD = {
     "car-paint-silver": (0.075, 0.13),  # flakes under a coat: lobes that move with the view fit them with 1.4 %
     "car-paint-deep-blue": (0.07, 0.1),
     "car-paint-copper": (0.07, 0.13),  # with lobes that move 2.2 %
+    "car-paint-blue-red-pearl": (0.08, 0.19),  # with lobes that move 2.8 %
+    "car-paint-green-gold-pearl": (0.07, 0.15),  # with lobes that move 1.9 %
     "velvet-red": (0.085, 0.16),  # dark along the normal; lobes that move with the view fit it with 5 %
     "tarnished-silver": (0.075, 0.26),  # a strongly absorbing layer over a narrow lobe
 }

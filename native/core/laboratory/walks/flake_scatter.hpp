@@ -14,13 +14,18 @@ namespace lamina {
 class FlakeScatter {
  public:
   /// Draws the normal of the flake. It is met in proportion to the area that it shows (Heitz et al. 2015): stretched,
-  /// flakes are a sphere.
+  /// flakes are a sphere. Flakes that pass the light are no collisions.
   FlakeScatter(const Flakes& flakes, const Ray& in, Rng& rng)
       : flakes_(flakes),
         in_(in),
-        area_(flakes.area(std::abs(in.z))),
+        area_(flakes.taking_area(std::abs(in.z))),
         met_(area_ / flakes.extinction(std::abs(in.z))),
-        normal_(met_normal(flakes.alpha, in, rng)) {}
+        normal_(met_normal(flakes.alpha, in, rng)) {
+    constexpr double kUnseen = 1e-9;  // light that collides there is absorbed by the binder
+    while (flakes.filmed && area_ > kUnseen && rng.uniform() >= flakes.taken(std::abs(normal_.dot(in)))) {
+      normal_ = met_normal(flakes.alpha, in, rng);
+    }
+  }
 
   /// The direction of a ray that leaves, and 4 pi times its density under sample(), of matte flakes for their normal;
   /// `kept`: the share of the light that goes on, but for the albedo of the medium.
@@ -40,8 +45,10 @@ class FlakeScatter {
     if (length == 0.0) {
       return {out, 0.0, 0.0};
     }
-    const double density = std::numbers::pi * flakes_.density(sum.z / length) / area_;
-    return {out, density, met_ * flakes_.reflectance(std::min(1.0, 0.5 * length))};
+    const double cosine = std::min(1.0, 0.5 * length);
+    const double taken = flakes_.taken(cosine);
+    const double density = std::numbers::pi * flakes_.density(sum.z / length) * taken / area_;
+    return {out, density, taken > 0.0 ? met_ * flakes_.reflectance(cosine) / taken : 0.0};
   }
 
   Event sample(Rng& rng) const {
@@ -74,7 +81,7 @@ class FlakeScatter {
   const Flakes& flakes_;
   Ray in_;
   double area_;
-  double met_;  ///< the share of collisions that are with flakes, over their share along the normal
+  double met_;  ///< the share of collisions that are with flakes, over their share of all that light might meet
   Ray normal_;
 };
 
