@@ -7,6 +7,7 @@
 #include "mesh_bindings.hpp"
 #include "mesh_walk/photon_walks.hpp"
 #include "mesh_walk/point_walks.hpp"
+#include "mesh_walk/walk_start.hpp"
 
 namespace {
 

@@ -7,6 +7,7 @@
 
 #include "events/survival.hpp"
 #include "mesh_walk/surface_search.hpp"
+#include "mesh_walk/walk_start.hpp"
 #include "phase/henyey_greenstein.hpp"
 
 namespace lamina {
@@ -14,18 +15,12 @@ namespace lamina {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Largest distance between a start and the surface, relative to the solid's size.
-constexpr double kStartReach = 1e-4;
 // Walks start this far below the surface, relative to the solid's size: a few rounding errors of single precision.
 constexpr double kInset = 2e-7;
-// Shading normals may point slightly away from a face at the edge of a thin part.
-constexpr double kTurned = -0.5;
-
-/// The face at a start, seen along the normal from kStartReach outside.
-std::optional<Crossing> face_at(const Solid& solid, const Place& place, const Ray& normal) {
-  const double reach = kStartReach * solid.size();
-  return solid.first_crossing(place.moved(normal, reach), -normal, 0.0, 2.0 * reach);
-}
+// A move between faces that is shorter than this, relative to the solid's size, may be a rounding error.
+constexpr double kStay = 1e-6;
+// So many short moves in a row end a path: many faces may meet at a vertex, but not this many.
+constexpr int kMostStays = 64;
 
 }  // namespace
 
@@ -98,8 +93,8 @@ class MeshWalk::Path {
     normal_ = normal;
     place_ = start.place;
     ++counts_.rays;
-    if (const auto face = face_at(solid_, start.place, normal); face && face->normal.dot(normal) > 0.0) {
-      place_ = start.place.moved(normal, kStartReach * solid_.size() - face->distance);
+    if (const auto face = start_face(solid_, start.place, normal); face && face->normal.dot(normal) > 0.0) {
+      place_ = face->place;
       normal_ = face->normal;
       face_ = face->face;
       if (face->is_opaque) {
@@ -238,6 +233,7 @@ class MeshWalk::Path {
   void scatter(const CoefficientGrid::Sample& sample) {
     ++counts_.scatterings;
     ++scatterings_;
+    stays_ = 0;
     listener_.scatters({place_, direction_, sample, weights_, leader_, normal_, shells_}, aside_);
     const HenyeyGreenstein first{sample.g_first};
     if (sample.g_first == sample.g_second) {
@@ -261,16 +257,27 @@ class MeshWalk::Path {
 
   /// Light from inside meets the surface. Returns false if the walk ends.
   bool cross(const Crossing& crossing) {
-    if (crossing.is_opaque) {
+    if (crossing.is_opaque || !move_to(crossing)) {
+      return false;
+    }
+    on_surface_ = true;
+    meet_boundary();
+    return direction_.dot(normal_) <= 0.0 || leave(normal_);
+  }
+
+  /// Moves to a point of the surface. Returns false if the walk stays in one place: at a concave edge rounding errors
+  /// may let light leave through one face and enter through the other again and again.
+  bool move_to(const Crossing& crossing) {
+    stays_ = crossing.distance > kStay * solid_.size() ? 0 : stays_ + 1;
+    if (stays_ > kMostStays) {
+      counts_.lost += mean_of(weights_) / kChannels;
       return false;
     }
     place_ = place_.moved(direction_, crossing.distance);
     normal_ = crossing.normal;
     face_ = crossing.face;
-    on_surface_ = true;
     shells_ = 1;
-    meet_boundary();
-    return direction_.dot(normal_) <= 0.0 || leave(normal_);
+    return true;
   }
 
   void meet_boundary() {
@@ -302,13 +309,9 @@ class MeshWalk::Path {
         listener_.escapes(direction_, weights_);
         return false;
       }
-      if (crossing->is_opaque) {
+      if (crossing->is_opaque || !move_to(*crossing)) {
         return false;
       }
-      place_ = place_.moved(direction_, crossing->distance);
-      normal_ = crossing->normal;
-      face_ = crossing->face;
-      shells_ = 1;
       meet_boundary();
       if (direction_.dot(normal_) <= 0.0) {
         return true;
@@ -373,6 +376,7 @@ class MeshWalk::Path {
   Weights weights_ = {};
   Weights densities_ = {};  ///< of the path, if each of the channels that it serves led it, relative to the mean of all
   std::uint64_t scatterings_ = 0;
+  int stays_ = 0;   ///< short moves since the last longer move or scattering
   int shells_ = 1;  ///< number of parts of the mesh that contain the position
   bool on_surface_ = true;
 };
@@ -388,24 +392,6 @@ void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCou
 void MeshWalk::shine(const Photon& photon, std::size_t leader, Rng& rng, WalkListener& listener,
                      WalkCounts& counts) const {
   Path(*this, leader, true, Rng(rng.bits(), leader), listener, counts).run(photon);
-}
-
-bool is_buried(const Solid& solid, const Place& place, const Ray& normal) {
-  const Place outside = place.moved(normal, kStartReach * solid.size());
-  // A ray that leaves a part without entering it starts inside that part.
-  return SurfaceSearch(solid, outside, normal, 0, false).shells_on_the_way() < 0;
-}
-
-Exposure exposure(const Solid& solid, const Place& place, const Ray& normal) {
-  const double reach = kStartReach * solid.size();
-  if (solid.largest_cosine(place, normal, reach) < kTurned) {
-    return Exposure::kInward;
-  }
-  if (is_buried(solid, place, normal)) {
-    return Exposure::kBuried;
-  }
-  const auto face = face_at(solid, place, normal);
-  return face && face->is_opaque ? Exposure::kOpaque : Exposure::kOpen;
 }
 
 }  // namespace lamina

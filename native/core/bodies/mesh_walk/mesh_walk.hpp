@@ -151,10 +151,4 @@ class MeshWalk {
   const Occluders* occluders_;
 };
 
-/// Whether light can enter at a start of walks. kBuried: another part of the mesh contains the start. kInward: the
-/// normal points against those of all faces around. kOpaque: the face there is opaque.
-enum class Exposure { kOpen, kBuried, kInward, kOpaque };
-bool is_buried(const Solid& solid, const Place& place, const Ray& normal);
-Exposure exposure(const Solid& solid, const Place& place, const Ray& normal);
-
 }  // namespace lamina

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mesh_walk/walk_start.hpp"
+
 namespace lamina {
 
 namespace {
