@@ -22,6 +22,11 @@ def chosen(material):
     return "EXACT" if settings.interior.source == "LAYERS" else "VEINS"
 
 
+def shows_layers(material):
+    """False with veins, which are between two materials of their own."""
+    return chosen(material) != "VEINS"
+
+
 def choose(material, depth):
     """Choose the depth of a material with layers. Until the artist chooses an output, Exact and Veins compute
     the output LIT, which is nearest to the truth, and Soft chooses automatically."""

@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import native
-from ..editing import layer_list, over_material
+from ..editing import depth, layer_list, over_material
 from ..properties import migration
 from ..properties.layer_properties import LAYER_KINDS
 from ..settling import dust_job
@@ -88,7 +88,9 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
         column.operator("lamina.layer_move", text="", icon="TRIA_UP").direction = "UP"
         column.operator("lamina.layer_move", text="", icon="TRIA_DOWN").direction = "DOWN"
         layer = layer_list.active_layer(material)
-        if layer is not None:
+        if not depth.shows_layers(material):
+            draw_sentence(context, layout, "Veins shows two materials of its own in place of these layers")
+        elif layer is not None:
             fields.draw_layer(layout, layer)
 
 
@@ -96,6 +98,10 @@ class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
     bl_label = "Below"
     bl_parent_id = "LAMINA_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def wanted(cls, material):
+        return super().wanted(material) and depth.shows_layers(material)
 
     def draw_header_preset(self, context):
         base = context.material.lamina.base

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..editing import layer_list
+from ..editing import depth, layer_list
 from ..nodes import detail_wiring, displacement, dust_detail, film_wiring, thickness
 from ..nodes.film_pattern import PATTERNS
 from ..nodes.side_graph import FRONT
@@ -22,7 +22,8 @@ class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
 
     @classmethod
     def wanted(cls, material):
-        return super().wanted(material) and layer_list.active_layer(material) is not None
+        has_place = layer_list.active_layer(material) is not None and depth.shows_layers(material)
+        return super().wanted(material) and has_place
 
     def draw_header_preset(self, context):
         self.layout.label(text=layer_list.active_layer(context.material).name)
