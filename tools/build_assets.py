@@ -64,10 +64,10 @@ def _asset(entry, quality):
     """A baked material of a preset, marked as an asset with picture, catalogue, tags, source and licence."""
     import bpy
 
-    stack_io, bake_job = extension.part("editing.stack_io"), extension.part("baking.bake_job")
+    presets, bake_job = extension.part("editing.presets"), extension.part("baking.bake_job")
     material = bpy.data.materials.new(entry.name)
     extension.part("nodes.node_tree").of(material)
-    stack_io.assign_stack(material, entry.stack)
+    presets.apply(material, entry.id)
     material.lamina.quality = quality
     bake_job.bake_material(material)
     material.asset_mark()

@@ -52,15 +52,15 @@ def apply(material, preset, over=None):
     sentence = problem(material, one, over)
     if sentence:
         raise RefusedError(sentence)
-    if not lies_over(material, one, over):
+    if lies_over(material, one, over):
+        if not material.lamina.enabled:
+            over_material.add(material)
+        over_material.assign_layers(material, one.stack)
+    else:
         stack_io.assign_stack(material, one.stack)
         if one.stack.is_oriented:
             material.lamina.tangent = TANGENTS.get(preset, "UV")
-        return
-    if not material.lamina.enabled:
-        over_material.add(material)
-    over_material.assign_layers(material, one.stack)
-    if one.category == OVERLAYS:
+    if preset in FILMS or one.stack.varying is not None:
         material[detail_wiring.WANTED] = FILMS.get(preset, True)  # an even layer would look like clay
 
 

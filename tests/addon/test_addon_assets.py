@@ -26,7 +26,7 @@ def library(addon, lamina, tmp_path, monkeypatch):
     return tmp_path / build_assets.FOLDER
 
 
-def test_materials_are_assets_with_all_that_a_browser_shows(library, lamina):
+def test_materials_are_assets_with_all_that_a_browser_shows(addon, library, lamina):
     catalogues = {}
     for line in (library / "blender_assets.cats.txt").read_text(encoding="utf-8").splitlines()[2:]:
         number, path, _ = line.split(":")
@@ -41,6 +41,8 @@ def test_materials_are_assets_with_all_that_a_browser_shows(library, lamina):
         assert (data.license, data.author, data.description) == ("CC0", "Lamina", entry.source)
         assert {"Lamina", entry.category.split()[0].lower()} <= {tag.name for tag in data.tags}
         assert material.lamina.result.stack_hash == entry.stack.hash
+        has_detail = addon.nodes.detail_wiring.detail(material) is not None
+        assert has_detail == (entry.id == "dusty-bronze")
         images = [node.image for node in material.lamina.node_group.nodes if node.type == "TEX_IMAGE"]
         assert images and all(image.packed_file for image in images)
         preview = np.empty(4 * np.prod(material.preview.image_size), np.float32)

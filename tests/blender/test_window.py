@@ -2,10 +2,15 @@
 """The extension in a Blender window on a virtual screen, with software OpenGL (inside/stories.py)."""
 
 import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
 
 import pytest
 from chroot_blender import INSIDE
 
+ROOT = Path(__file__).parents[2]
 SEEDS = range(1, 1 + int(os.environ.get("LAMINA_SEEDS", "1")))
 ACTIONS = int(os.environ.get("LAMINA_ACTIONS", "200"))
 
@@ -46,6 +51,14 @@ def test_previews_stopped_quietly(blender):
 
 def test_quit_while_baking(blender):
     perform(blender, "quit_while_baking")
+
+
+def test_an_asset_is_dropped_on_an_object(blender):
+    command = sys.executable, "tools/build_assets.py", "--quality", "preview", "--preset", "dusty-lacquer"
+    subprocess.run([*command, "--output", blender.folder], cwd=ROOT, check=True)
+    with zipfile.ZipFile(blender.folder / "lamina-assets.zip") as library:
+        library.extractall(blender.folder)
+    assert "story ended" in perform(blender, "asset_dropped")
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -13,6 +13,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 import blender_window as window
+from assets import asset_dropped  # noqa: F401 (found by its name)
 from random_actions import random_actions  # noqa: F401 (found by its name)
 from steps import (
     PACKAGE,
