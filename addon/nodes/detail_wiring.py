@@ -2,6 +2,8 @@
 """Puts the node of dust_detail between the source of a material's thickness and the baked group, and links a
 painted mask to it."""
 
+import math
+
 from ..base import renders
 from . import detail_group, dust_detail, dust_litter, rest_coordinates, thickness
 from .side_graph import BACK, FRONT
@@ -37,6 +39,15 @@ def add_detail(material):
         node.inputs[name].default_value = share if name != "Fibers" or _is_dust(material) else 0.0
     insert(material, node, (FRONT, BACK))
     return node
+
+
+def add_settled_detail(material):
+    """`add_detail` for dust that has settled, which varies by itself: less than the strengths of a layer that
+    is even, unless the artist chose others."""
+    node = add_detail(material)
+    for name, strength in dust_detail.SETTLED.items():
+        if math.isclose(node.inputs[name].default_value, dust_detail.UNSETTLED[name], abs_tol=1e-6):
+            node.inputs[name].default_value = strength
 
 
 def new_node(material, mark, beside):

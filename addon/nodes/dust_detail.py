@@ -17,16 +17,16 @@ NAME = "Lamina Dust Detail"
 MARK = detail_group.MARKS[0]
 HEIGHT = "Height"  # output: the thickness of the front without grain and litter
 VERSION = 4
-CLOUDS, GRAIN = 0.6, 0.5
+SETTLED = {"Clouds": 0.6, "Grain": 0.5}
 # Of a layer that is even and as thick as baked: only the thin places of the noise are seen.
 UNSETTLED = {"Clouds": 0.9, "Grain": 0.8}
 SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015, **dust_litter.SIZES}  # in metres
 
 # (name, subtype, default, least, most, description) of the settings.
 SETTINGS = (
-    ("Clouds", "FACTOR", CLOUDS, 0.0, 1.0, "Strength of broad variation; the mean thickness stays"),
+    ("Clouds", "FACTOR", SETTLED["Clouds"], 0.0, 1.0, "Strength of broad variation; the mean thickness stays"),
     ("Cloud Size", "DISTANCE", SIZES["Cloud Size"], 1e-5, 1e4, "Size of the broad variation in the world"),
-    ("Grain", "FACTOR", GRAIN, 0.0, 1.0, "Strength of fine variation; the mean thickness stays"),
+    ("Grain", "FACTOR", SETTLED["Grain"], 0.0, 1.0, "Strength of fine variation; the mean thickness stays"),
     ("Grain Size", "DISTANCE", SIZES["Grain Size"], 1e-6, 1e4,
      "Size of coarse grains in the world; fine ones are a quarter"),
     *dust_litter.SETTINGS,

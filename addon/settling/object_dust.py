@@ -240,7 +240,7 @@ def apply(obj, task, answer):
         if is_source(thickness.wiring(material, COVERAGE)):
             wire(obj, material, COVERAGE)
         if linked == "value" or detail_wiring.detail(material) is not None:
-            detail_wiring.add_detail(material)
+            detail_wiring.add_settled_detail(material)
 
 
 def wire(obj, material, to=FRONT):

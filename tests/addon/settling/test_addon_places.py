@@ -61,6 +61,24 @@ def test_from_each_place_to_each_other(addon, place, plate, material, call, firs
     assert addon.baking.bake_job.state(material) == "fresh"
 
 
+def test_settled_dust_varies_less_than_an_even_layer_of_a_preset(addon, place, plate, material, call):
+    addon.editing.presets.apply(material, "dusty-lacquer")
+    addon.baking.bake_job.bake_material(material)
+    detail = addon.nodes.detail_wiring.detail(material)
+
+    def strengths():
+        return [round(detail.inputs[name].default_value, 6) for name in ("Clouds", "Grain")]
+
+    even = strengths()
+    choose(plate, call, "SETTLED")
+    assert [after < before for before, after in zip(even, strengths(), strict=True)] == [True, True]
+    detail.inputs["Clouds"].default_value = 0.2  # the artist's own
+    settled = strengths()
+    choose(plate, call, "EVEN")
+    choose(plate, call, "SETTLED")
+    assert strengths() == settled
+
+
 def test_an_even_layer_keeps_its_thickness_when_it_is_painted(addon, place, plate, material, call):
     choose(plate, call, "PAINTED")
     assert socket(addon, material).default_value == pytest.approx(0.3)
