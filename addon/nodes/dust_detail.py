@@ -24,9 +24,9 @@ SIZES = {"Cloud Size": 0.05, "Grain Size": 0.0015, **dust_litter.SIZES}  # in me
 
 # (name, subtype, default, least, most, description) of the settings.
 SETTINGS = (
-    ("Clouds", "FACTOR", SETTLED["Clouds"], 0.0, 1.0, "Strength of broad variation; the mean thickness stays"),
+    ("Clouds", "FACTOR", SETTLED["Clouds"], 0.0, 1.0, "Strength of broad variation; the mean stays"),
     ("Cloud Size", "DISTANCE", SIZES["Cloud Size"], 1e-5, 1e4, "Size of the broad variation in the world"),
-    ("Grain", "FACTOR", SETTLED["Grain"], 0.0, 1.0, "Strength of fine variation; the mean thickness stays"),
+    ("Grain", "FACTOR", SETTLED["Grain"], 0.0, 1.0, "Strength of fine variation; the mean stays"),
     ("Grain Size", "DISTANCE", SIZES["Grain Size"], 1e-6, 1e4,
      "Size of coarse grains in the world; fine ones are a quarter"),
     *dust_litter.SETTINGS,
