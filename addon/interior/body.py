@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from mathutils import Matrix
 
-from ..base import mesh_arrays, rendered
+from ..base import mesh_arrays, native, rendered
 from ..base.messages import RefusedError
 from ..nodes import other_materials
 
 SAME = 1e-3  # relative difference of scales that count as equal
+HOLES = 0.1  # the largest area of holes that are closed, relative to that of the mesh
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,11 @@ class Body:
     own: np.ndarray
     opaque: np.ndarray
     notes: tuple[str, ...]
+
+    def solid(self):
+        """The lamina.Solid, whose small holes are closed."""
+        arrays = self.arrays
+        return native.require().Solid(arrays.vertices, arrays.triangles, HOLES, arrays.name, self.opaque)
 
 
 def problem(obj):

@@ -144,7 +144,7 @@ def gather(context, obj, material, folder=None):
     sentence = problem(obj, material)
     if sentence:
         raise RefusedError(sentence)
-    lamina, settings, scene = native.require(), material.lamina.interior, context.scene
+    settings, scene = material.lamina.interior, context.scene
     layer = uv_maps.find(obj.data, settings.uv_map)
     named = layer.name if layer is not None else ""
     own = settings.map == "OWN" and len(obj.data.uv_layers) > 0 and named != unwrap.NAME
@@ -166,7 +166,7 @@ def gather(context, obj, material, folder=None):
         material=material.session_uid,
         name=material.name,
         output=settings.output,
-        solid=lamina.Solid(shape.arrays.vertices, shape.arrays.triangles, name=obj.name, opaque=shape.opaque),
+        solid=shape.solid(),
         fill=filled.fill,
         surface=filled.surface,
         uvs=shape.arrays.uvs,

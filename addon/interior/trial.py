@@ -98,7 +98,7 @@ def gather(context, obj, material, shown=None, bounces=None):
     sentence = problem(obj, shown)
     if sentence:
         raise RefusedError(sentence)
-    lamina, scene = native.require(), context.scene
+    scene = context.scene
     found = seen.of_object(context, obj, material)
     sources = lights.of_scene(scene, obj, found)
     # Nodes of the panel's choice Soft show the layers, whatever Veins would fill.
@@ -114,12 +114,10 @@ def gather(context, obj, material, shown=None, bounces=None):
     if len(places.pixels) < LEAST_PLACES:
         what = f"the camera sees too little of {material.name} on {obj.name}"
         raise RefusedError(f"{what}: turn the camera to it")
-    arrays = found.body.arrays
-    solid = lamina.Solid(arrays.vertices, arrays.triangles, name=obj.name, opaque=found.body.opaque)
     rendered = trial_render.pictures(context, obj, camera, {material: shown}, bounces or {})
     rendered = rendered[:, places.pixels]
     uid, others = material.session_uid, found.occluders
-    return Task(uid, solid, filled.fill, filled.surface, sources, others, places, rendered)
+    return Task(uid, found.body.solid(), filled.fill, filled.surface, sources, others, places, rendered)
 
 
 def walk(task, progress=None, cancel=None):

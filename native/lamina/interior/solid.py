@@ -21,13 +21,14 @@ class Solid:
 
     Repaired without a message: vertices whose coordinates agree after rounding to 1e-6 of the mesh's size are merged,
     and triangles that then have a vertex twice are removed. With `fill_holes`, each hole is closed by triangles from
-    its edges to the mean of its vertices. Parts may overlap, and cavities may lie inside. `opaque`: (m,) bool, which
+    its edges to the mean of its vertices; a number is the largest area of these triangles that is accepted, relative
+    to that of the mesh. Parts may overlap, and cavities may lie inside. `opaque`: (m,) bool, which
     triangles absorb all light that meets them, from inside and from outside, such as faces of another, black material;
     None: none. Faces that fill holes are not opaque. `name`: name of the mesh in messages."""
 
     vertices: np.ndarray
     triangles: np.ndarray
-    fill_holes: bool = False
+    fill_holes: bool | float = False
     name: str = ""
     opaque: np.ndarray | None = None
 
@@ -40,11 +41,20 @@ class Solid:
 @dataclass(frozen=True, eq=False)
 class Closed:
     """A repaired mesh. `given`: (m,) int, the triangles of the Solid that its triangles were, -1 for those that fill
-    holes. `opaque`: (m,) bool."""
+    holes. `opaque`: (m,) bool. `holes`: their number."""
 
     mesh: Mesh
     given: np.ndarray
     opaque: np.ndarray
+    holes: int
+
+    def notes(self) -> tuple[str, ...]:
+        """A sentence about holes that were filled, if there were any."""
+        if not self.holes:
+            return ()
+        share = 100.0 * _filled_share(self.mesh.vertices, self.mesh.triangles, int((self.given < 0).sum()))
+        holes = "a hole" if self.holes == 1 else f"{self.holes} holes"
+        return (f"the walks close {holes} of {self.mesh.name or 'the solid'}, {share:.2g} % of the area",)
 
 
 def closed(solid: Solid) -> Closed:
@@ -68,17 +78,21 @@ def _examined(solid: Solid) -> tuple[Closed, str]:
     if not len(mesh.triangles):
         raise InteriorError(f"{name}.triangles is empty: must have faces")
     opaque = _checked_opaque(solid.opaque, len(mesh.triangles), name)
+    largest = _checked_share(solid.fill_holes, name)
     used = mesh.vertices[mesh.triangles.ravel()]
     size = float(np.linalg.norm(used.max(axis=0) - used.min(axis=0)))
     if not size > 0.0:
         raise InteriorError(f"{name} is 0 mm large: must have an extent")
     vertices, triangles, kept = _welded(mesh.vertices, mesh.triangles, size)
-    open_edges = _open_edges(triangles, len(vertices))
-    if solid.fill_holes and len(open_edges) and _ends_balance(open_edges, len(vertices)):
-        vertices, triangles = _filled(vertices, triangles, open_edges)
-        open_edges = _open_edges(triangles, len(vertices))
+    open_edges, holes = _open_edges(triangles, len(vertices)), 0
+    if largest and len(open_edges) and _ends_balance(open_edges, len(vertices)):
+        more, filled = _filled(vertices, triangles, open_edges)
+        if _filled_share(more, filled, len(open_edges)) <= largest:
+            holes = len(more) - len(vertices)
+            vertices, triangles = more, filled
+            open_edges = _open_edges(triangles, len(vertices))
     given = np.pad(np.flatnonzero(kept), (0, len(triangles) - int(kept.sum())), constant_values=-1)
-    examined = Closed(Mesh(vertices, triangles, name=solid.name), given, opaque[given] & (given >= 0))
+    examined = Closed(Mesh(vertices, triangles, name=solid.name), given, opaque[given] & (given >= 0), holes)
     if len(open_edges):
         return examined, _opening(vertices, triangles, open_edges, name)
     corners = vertices[triangles] - 0.5 * (used.max(axis=0) + used.min(axis=0))
@@ -100,6 +114,15 @@ def _checked_opaque(opaque, count: int, name: str) -> np.ndarray:
     if found.dtype != bool or found.shape != (count,):
         raise InteriorError(f"{name}.opaque = {quoted(opaque)}: must be {count} booleans, one per triangle, or None")
     return found
+
+
+def _checked_share(fill_holes, name: str) -> float:
+    """The largest area of the triangles that fill holes, relative to that of the mesh."""
+    if isinstance(fill_holes, bool | np.bool_):
+        return np.inf if fill_holes else 0.0
+    if not isinstance(fill_holes, int | float) or not fill_holes >= 0.0:
+        raise InteriorError(f"{name}.fill_holes = {quoted(fill_holes)}: must be True, False or a share of the area")
+    return float(fill_holes)
 
 
 def _welded(vertices, triangles, size: float):
@@ -142,6 +165,13 @@ def _filled(vertices, triangles, edges):
     centres = np.column_stack([np.bincount(hole, vertices[edges[:, 0], axis]) for axis in range(3)]) / counts
     fans = np.column_stack([edges[:, 1], edges[:, 0], len(vertices) + hole])
     return np.vstack([vertices, centres]), np.ascontiguousarray(np.vstack([triangles, fans]), np.uint32)
+
+
+def _filled_share(vertices, triangles, count: int) -> float:
+    """The area of the last `count` triangles, relative to that of the others."""
+    a, b, c = vertices[triangles].transpose(1, 0, 2)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return float(areas[len(areas) - count:].sum() / areas[:len(areas) - count].sum())
 
 
 def _connected(edges, count: int) -> np.ndarray:

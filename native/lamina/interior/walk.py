@@ -29,13 +29,14 @@ OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surfac
 
 
 class Walker:
-    """A problem that is ready for walks. `problem` has its points; `solid_size`: diagonal of the mesh's box, mm."""
+    """A problem that is ready for walks. `problem` has its points; `solid_size`: diagonal of the mesh's box, mm.
+    `notes`: sentences about repairs of the mesh."""
 
     def __init__(self, problem: Problem, threads: int, step: Progress):
         layer = self._layer = embree.layer()
         step(0.0, "checking the mesh")
         found = closed(problem.solid)
-        mesh, opaque, self._given = found.mesh, found.opaque, found.given
+        mesh, opaque, self._given, self.notes = found.mesh, found.opaque, found.given, found.notes()
         self.problem = replace(problem, points=problem.points.on(problem.solid))
         digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices).data)
         digest.update(np.ascontiguousarray(mesh.triangles).data)

@@ -101,6 +101,7 @@ def _walked(problem: Problem, target: Target, run: Run, shown: Callable[[MapWalk
     step = portion(whole, 0.0, share)
     places, points = target.points(problem.solid)
     walker = Walker(replace(problem, points=points), run.threads, portion(step, 0.0, 0.5 * SETTING_UP))
+    places = replace(places, notes=(*places.notes, *walker.notes))
     places, walker = _open(places, walker)
     places, walker = _with_photons(places, walker, target)
     lamps = 0 if walker.problem.image is None else len(walker.problem.lights.lamps)  # type: ignore[union-attr]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The interior of an object: its images, their nodes and interruptions."""
 
+import re
 from types import SimpleNamespace
 
 import bmesh
@@ -41,6 +42,20 @@ def test_relightable(jobs, ball, lamina):
     veins = task.fill(None, None)
     assert veins.low[0] == pytest.approx(task.solid.vertices[:, 0].min(), rel=1e-4) and max(veins.voxels.shape) == 16
     assert not task.folder.exists()
+
+
+def test_small_holes_are_closed_and_told(jobs, ball):
+    """As in Suzanne, whose eyes and sockets are open."""
+    editing = bmesh.new()
+    editing.from_mesh(ball.data)
+    bmesh.ops.delete(editing, geom=editing.faces[:1], context="FACES")
+    editing.to_mesh(ball.data)
+    editing.free()
+    share = 100.0 / len(ball.data.polygons)
+    (note,) = make(jobs, ball).notes
+    told = re.fullmatch(r"the walks close a hole of Ball, (.*) % of the area", note)
+    assert float(told[1]) == pytest.approx(share, rel=0.3)  # the faces of the ball have different areas
+    assert note[1:] in ball.active_material.lamina.interior.report
 
 
 def test_new_faces_after_a_first_run(jobs, ball, lamina):

@@ -20,7 +20,8 @@ def shared(obj):
 def opened(obj):
     made = bmesh.new()
     made.from_mesh(obj.data)
-    bmesh.ops.delete(made, geom=[made.faces[:][0]], context="FACES")
+    right = [face for face in made.faces if face.calc_center_median().x > 0.0]
+    bmesh.ops.delete(made, geom=right, context="FACES")
     made.to_mesh(obj.data)
     made.free()
 
@@ -94,7 +95,7 @@ def missing_map(obj):
 @pytest.mark.parametrize(("change", "words"), [
     (stretched, r"Ball has a scale that is not uniform, \(0.02, 0.01, 0.01\): apply the scale"),
     (shared, "Marble is also on Twin: its images fit one object, make it single-user"),
-    (opened, "Ball is open along 3 edges"),
+    (opened, r"Ball is open along \d+ edges"),
     (flipped, "Ball is inside out"),
     (emptied, "Ball has no faces"),
     (overlapping, "Ball: .* texels lie on two parts of the surface"),

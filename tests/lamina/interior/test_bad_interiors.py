@@ -156,6 +156,25 @@ def test_repairs():
         assert found.albedo.value == pytest.approx(1.0, rel=1e-9) and found.count.lost == 0.0
 
 
+def test_only_small_holes_are_filled():
+    """Three holes, of one and of two faces: 4 of 320 faces of a sphere."""
+    ball = sphere(1.0, 2)
+    triangles = np.delete(ball.triangles, [0, 1, 60, 200], axis=0)
+    white, where = Interior.uniform(EndMaterial(3.0)), ball.vertices[5:9]
+
+    def albedo(largest):
+        solid = lamina.Solid(ball.vertices, triangles, largest)
+        return lamina.walk_in_mesh(solid, white, where, where, samples=50).albedo.value
+
+    np.testing.assert_array_equal(albedo(0.02), albedo(True))
+    for smaller in (0.005, 0, False):
+        with pytest.raises(InteriorError, match="open along 10 edges"):
+            albedo(smaller)
+    for bad in (-1.0, np.nan, "all", None):
+        with pytest.raises(InteriorError, match="fill_holes = .* must be True, False or a share of the area"):
+            albedo(bad)
+
+
 @pytest.mark.parametrize("interior", [
     Interior.uniform(WHITE),
     Interior.mixed(np.linspace(0, 1, 24).reshape(2, 3, 4), PALETTE, (-1, 0, 2), (1, 1, 5), smooth=False),
