@@ -10,18 +10,18 @@ from ..base import mesh_arrays, native, rendered
 from ..base.messages import RefusedError
 from ..nodes import other_materials
 
-SAME = 1e-3  # relative difference of scales that count as equal
+SAME = 1e-3  # cosine between axes that count as perpendicular
 HOLES = 0.1  # the largest area of holes that are closed, relative to that of the mesh
 
 
 @dataclass(frozen=True)
 class Frame:
     """The object's own axes. `axes`: (3, 3), unit vectors in world space, as columns. `origin`: of the
-    object, in world space. `scale`: of the object. `unit`: mm of a Blender unit."""
+    object, in world space. `scale`: (3,), of the object along its axes. `unit`: mm of a Blender unit."""
 
     axes: np.ndarray
     origin: np.ndarray
-    scale: float
+    scale: np.ndarray
     unit: float
 
     def towards(self, direction):
@@ -42,12 +42,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class Body:
-    """`arrays`: in the object's own axes, in mm. `millimetres`: of a unit of the object's own space. `own`,
-    (m,) bool: which triangles have the material; `opaque`: which have an opaque one. `notes`: sentences about
-    faces of other materials."""
+    """`arrays`: in the object's own axes, in mm. `millimetres`: (3,), of a unit of the object's own space along
+    its axes. `own`, (m,) bool: which triangles have the material; `opaque`: which have an opaque one. `notes`:
+    sentences about faces of other materials."""
 
     arrays: mesh_arrays.Arrays
-    millimetres: float
+    millimetres: np.ndarray
     frame: Frame
     own: np.ndarray
     opaque: np.ndarray
@@ -88,15 +88,15 @@ def hidden(obj):
 
 
 def _of_mesh(evaluated, obj, material, uv_map, frame):
-    millimetres = frame.scale * frame.unit
     mesh = evaluated.to_mesh()
     try:
-        still = Matrix.Identity(4)
-        vertices = mesh_arrays.vertices(mesh, still, millimetres)
-        triangles, loops = mesh_arrays.triangles(mesh, still), mesh_arrays.loops(mesh, still)
+        mean = float(frame.scale.mean())
+        stretch = Matrix.Diagonal((*(frame.scale / mean), 1.0))
+        vertices = mesh_arrays.vertices(mesh, stretch, mean * frame.unit)
+        triangles, loops = mesh_arrays.triangles(mesh, stretch), mesh_arrays.loops(mesh, stretch)
         if not len(triangles):
             raise RefusedError(f"{obj.name} has no faces: an interior needs a closed mesh")
-        normals = mesh_arrays.corner_normals(mesh, still)[loops]
+        normals = mesh_arrays.corner_normals(mesh, stretch)[loops]
         uvs, own = None, with_material(mesh.loop_triangles, obj, material)
         if uv_map is not None:
             uvs = mesh_arrays.uvs(obj, mesh, uv_map, "let Lamina unwrap it")[loops]
@@ -106,11 +106,11 @@ def _of_mesh(evaluated, obj, material, uv_map, frame):
     finally:
         evaluated.to_mesh_clear()
     arrays = mesh_arrays.Arrays(vertices, triangles, normals, uvs, obj.name)
-    return Body(arrays, millimetres, frame, own, opaque, notes)
+    return Body(arrays, frame.scale * frame.unit, frame, own, opaque, notes)
 
 
 def frame_of(obj, scene):
-    """The Frame of an object. Raises RefusedError for a scale that is not uniform."""
+    """The Frame of an object. Raises RefusedError for a scale of 0, and for a sheared object."""
     return _frame(obj, obj.matrix_world, scene)
 
 
@@ -128,17 +128,10 @@ def with_material(faces, obj, material):
 def _frame(obj, matrix, scene):
     columns, origin = np.array(matrix, float)[:3, :3], np.array(matrix, float)[:3, 3]
     scale = np.linalg.norm(columns, axis=0)
-    mean = float(scale.mean())
-    if not mean > 0.0:
+    if not scale.min() > 0.0:
         raise RefusedError(f"{obj.name} has the scale 0: must be above 0")
-    axes = columns / mean
+    axes = columns / scale
     if not np.allclose(axes.T @ axes, np.eye(3), atol=2.0 * SAME):
-        if obj.parent is not None and np.ptp(obj.scale) <= SAME * max(map(abs, obj.scale)):
-            raise RefusedError(
-                f"{obj.name} is stretched by its parent {obj.parent.name}: apply the scale of the parent"
-            )
-        text = "({:.3g}, {:.3g}, {:.3g})".format(*scale)
-        raise RefusedError(
-            f"{obj.name} has a scale that is not uniform, {text}: apply the scale (Object > Apply > Scale)"
-        )
-    return Frame(axes, origin, mean, scene.unit_settings.scale_length * 1000.0)
+        by = "" if obj.parent is None else f" by its parent {obj.parent.name}"
+        raise RefusedError(f"{obj.name} is sheared{by}: apply the scale (Object > Apply > Scale)")
+    return Frame(axes, origin, scale, scene.unit_settings.scale_length * 1000.0)

@@ -131,9 +131,12 @@ def test_camera(jobs, ball, lamina):
     assert 0.3 < found.mask.sum() / everywhere.mask.sum() < 0.7 and (found.estimate.sky.value > 0.0).all()
 
 
-def test_node_texture_between_materials(jobs, ball, lamina):
+@pytest.mark.parametrize("stretch", [1.0, 3.0])
+def test_node_texture_between_materials(jobs, ball, lamina, stretch):
     """A gradient along x in the object's own coordinates, also after the nodes were replaced by the result."""
     material = ball.active_material
+    ball.scale.x *= stretch
+    bpy.context.view_layer.update()
     tree = material.node_tree
     gradient, coordinates = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeTexCoord")
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
@@ -142,10 +145,31 @@ def test_node_texture_between_materials(jobs, ball, lamina):
     material.lamina.interior.source = "NODES"
     for _ in range(2):
         interior = jobs.gather(bpy.context, ball, material).fill(None, None)
-        coordinate = interior.voxels[:, 8, 8] / 65535.0
-        centres = 0.1 * interior.high[0] * ((np.arange(16) + 0.5) / 8.0 - 1.0)  # in units of the object's space
+        _, width, height = interior.voxels.shape
+        coordinate = interior.voxels[:, width // 2, height // 2] / 65535.0
+        centres = 0.1 / stretch * interior.high[0] * ((np.arange(16) + 0.5) / 8.0 - 1.0)  # in units of the object's space
         np.testing.assert_allclose(coordinate, np.clip(centres, 0.0, 1.0), atol=2e-3)
         make(jobs, ball)
+
+
+def test_a_stretched_object_is_like_one_whose_scale_is_applied(jobs, ball):
+    """Its shape in mm, the normals, and a lamp as seen from its axes."""
+    sun("Sun", (0.6, 0.2, 0.0))
+    ball.active_material.lamina.interior.output = "LIT"
+
+    def gathered():
+        bpy.context.view_layer.update()
+        task = jobs.gather(bpy.context, ball, ball.active_material)
+        normals = task.normals / np.linalg.norm(task.normals, axis=2, keepdims=True)
+        return task.solid.vertices, task.solid.triangles, normals, task.sources[0].numbers["towards"]
+
+    ball.scale = (0.03, 0.01, 0.005)
+    stretched = gathered()
+    with bpy.context.temp_override(selected_editable_objects=[ball], active_object=ball, object=ball):
+        bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+    assert tuple(ball.scale) == (1.0, 1.0, 1.0)
+    for one, other in zip(stretched, gathered(), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-4)
 
 
 def test_homogeneous(jobs, ball, addon, lamina):

@@ -8,8 +8,10 @@ import pytest
 from addon_helpers import sun
 
 
-def stretched(obj):
-    obj.scale.x *= 2.0
+def sheared(obj):
+    stand = bpy.data.objects.new("Stand", None)
+    bpy.context.scene.collection.objects.link(stand)
+    obj.parent, stand.scale = stand, (2.0, 1.0, 1.0)
 
 
 def shared(obj):
@@ -93,7 +95,7 @@ def missing_map(obj):
 
 
 @pytest.mark.parametrize(("change", "words"), [
-    (stretched, r"Ball has a scale that is not uniform, \(0.02, 0.01, 0.01\): apply the scale"),
+    (sheared, r"Ball is sheared by its parent Stand: apply the scale"),
     (shared, "Marble is also on Twin: its images fit one object, make it single-user"),
     (opened, r"Ball is open along \d+ edges"),
     (flipped, "Ball is inside out"),

@@ -151,6 +151,9 @@ def test_the_size_of_a_hidden_object_after_loading(jobs, tmp_path):
 def test_stretched_by_a_parent(jobs):
     ball = marble_ball()
     ball.parent = linked("Stand")
-    ball.parent.scale, ball.rotation_euler = (2.0, 1.0, 1.0), (0.0, 0.0, 0.7)
-    with pytest.raises(ValueError, match="Ball is stretched by its parent Stand: apply the scale of the parent"):
+    ball.parent.scale = (2.0, 1.0, 1.0)
+    places = 1000.0 * np.array([vertex.co for vertex in ball.data.vertices]) * (2.0, 1.0, 1.0)
+    assert radius(jobs, ball)[0] == pytest.approx(np.linalg.norm(places, axis=1).max(), rel=1e-4)
+    ball.rotation_euler = (0.0, 0.0, 0.7)
+    with pytest.raises(ValueError, match="Ball is sheared by its parent Stand: apply the scale"):
         jobs.gather(bpy.context, ball, ball.active_material)
