@@ -317,11 +317,8 @@ class MeshWalk::Path {
         return false;
       }
       meet_boundary();
-      if (direction_.dot(normal_) <= 0.0) {
-        return true;
-      }
-      if (!survives_roulette()) {
-        return false;
+      if (const bool enters = direction_.dot(normal_) <= 0.0; enters || !survives_roulette()) {
+        return enters;
       }
       lit = occluders_ == nullptr ? lit : occluders_->solid_lit();
     }
