@@ -2,13 +2,18 @@
 """The other objects of a scene: they cast shadows on a body, reflect light onto it, and may shine."""
 
 import hashlib
+from dataclasses import replace
 
 import numpy as np
 from mathutils import Matrix
 
-from ..base import mesh_arrays, rendered
-from ..nodes import links, other_materials, principled
+from ..base import linking, mesh_arrays, rendered
+from ..base.messages import RefusedError
+from ..nodes import links as node_links
+from ..nodes import other_materials, principled
+from . import lamps
 
+MOST_LINKINGS = 64
 MARKED = 1000  # objects that are looked at whenever a panel is drawn
 _COLORS = {
     "BSDF_DIFFUSE": "Color",
@@ -20,10 +25,12 @@ _COLORS = {
 _SHINING = {"EMISSION": ("Color", "Strength"), "BSDF_PRINCIPLED": ("Emission Color", "Emission Strength")}
 
 
-def occluders(depsgraph, obj, frame, lamina):
-    """A lamina.Occluders of what a dependency graph shows beside an object, in the object's axes, or None.
-    Materials that light passes, such as glass, are left out."""
-    shapes, places, found, looks, first = {}, [], [], [], 0
+def occluders(depsgraph, obj, frame, lamina, sources):
+    """(a lamina.Occluders of what a dependency graph shows beside an object, in the object's axes, or None;
+    `sources`, a list of lights.Source, with the numbers of the lamps' linkings). Materials that light passes,
+    such as glass, are left out. Raises RefusedError."""
+    shapes, places, found, looks, owners, first = {}, [], [], [], [], 0
+    every = _linkings(depsgraph)
     for instance in depsgraph.object_instances:
         other = instance.object
         if rendered.is_itself(instance, obj) or not rendered.casts_shadow(instance):
@@ -39,10 +46,53 @@ def occluders(depsgraph, obj, frame, lamina):
             found.append(triangles + first)
             looks.append(look)
             first += len(vertices)
+            owners.append((linking.names_of(instance, every), _of_emission(other, look, obj), len(triangles)))
     if not found:
-        return None
+        return None, sources
     places, found, looks = map(np.concatenate, (places, found, looks))
-    return lamina.Occluders(places, found, looks[:, 0], looks[:, 1])
+    links, sources = _linked(owners, sources, obj)
+    return lamina.Occluders(places, found, looks[:, 0], looks[:, 1], **links), sources
+
+
+def _linkings(depsgraph):
+    """The linkings of all lamps and objects with faces."""
+    kinds = {"LIGHT", *rendered.SHAPES}
+    originals = {one.object.original for one in depsgraph.object_instances if one.object.type in kinds}
+    return {linking.ALL, *map(linking.of, originals)}
+
+
+def _of_emission(other, look, obj):
+    """The linking of what an object emits, if it does. Raises RefusedError."""
+    if not look[:, 1].any():
+        return linking.ALL
+    found = linking.of(other.original)
+    lamps.check_blocks(other, found, obj)
+    return found
+
+
+def _linked(owners, sources, obj):
+    """(links of lamina.Occluders, the sources with the numbers of their linkings). `owners`, of each:
+    ((name as a receiver, as a blocker), linking of its emission, number of faces). Raises RefusedError."""
+    shining = [one.linking for one in sources], [own for _, own, _ in owners]
+    linkings = list(dict.fromkeys([linking.ALL, *shining[0], *shining[1]]))
+    if len(linkings) == 1:
+        return {}, sources
+    if len(linkings) > MOST_LINKINGS:
+        raise RefusedError(f"lamps and meshes have {len(linkings)} different light linkings: must be at most "
+                           f"{MOST_LINKINGS} for Lamps Stay")
+
+    def mask(kind, name):
+        return sum(1 << number for number, one in enumerate(linkings) if getattr(one, kind).holds(name))
+
+    counts = [count for *_, count in owners]
+    links = {"lit": [mask("receivers", names[0]) for names, *_ in owners],
+             "shadows": [mask("blockers", names[1]) for names, *_ in owners]}
+    links = {name: np.repeat(np.array(masks, np.uint64), counts) for name, masks in links.items()}
+    links["linking"] = np.repeat([linkings.index(own) for own in shining[1]], counts)
+    links["solid_lit"] = mask("receivers", obj.name_full)
+    numbers = map(linkings.index, shining[0])
+    return links, [replace(one, numbers=one.numbers | {"linking": number})
+                   for one, number in zip(sources, numbers, strict=True)]
 
 
 def mark(objects, obj):
@@ -52,7 +102,8 @@ def mark(objects, obj):
         if len(found) < MARKED and one != obj and one.type in rendered.SHAPES and one.visible_shadow:
             numbers = [round(value, 4) for row in one.matrix_world for value in row]
             size = [round(value, 4) for value in one.dimensions]
-            found.append((one.name, numbers, size))
+            linked = linking.of(one)
+            found.append((one.name, numbers, size, *([] if linked == linking.ALL else [linked.note()])))
     return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()[:16]
 
 
@@ -82,7 +133,7 @@ def albedo_of(material):
     if material is None:
         return (0.8, 0.8, 0.8)  # as Cycles renders an empty slot
     shader = principled.shown(material)
-    for node in [] if shader is None else links.upstream(shader.node):
+    for node in [] if shader is None else node_links.upstream(shader.node):
         if node.type in _COLORS and not node.mute:
             socket = node.inputs[_COLORS[node.type]]
             color = material.diffuse_color if socket.links else socket.default_value
@@ -94,7 +145,7 @@ def emission_of(material):
     """The radiance that a material emits: of its Emission nodes or its Principled BSDF; what a texture
     controls is left out."""
     shader = None if material is None else principled.shown(material)
-    for node in [] if shader is None else links.upstream(shader.node):
+    for node in [] if shader is None else node_links.upstream(shader.node):
         names = _SHINING.get(node.type)
         if names and not node.mute and not any(node.inputs[name].links for name in names):
             color, strength = (node.inputs[name].default_value for name in names)

@@ -10,6 +10,7 @@ import json
 
 import numpy as np
 
+from ..base import linking
 from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..kinds import interiors
@@ -75,6 +76,9 @@ def _stale_light(context, obj, earlier):
     new = [name for name in now if name not in earlier["lamps"]]
     if new:
         return f"{_listed(new)} lights the object now: {AGAIN}"
+    linked = [name for name, one in now.items() if one["linking"] != earlier["lamps"][name].get("linking")]
+    if linked:
+        return f"{_listed(linked)} has another light linking or shadow linking since: {AGAIN}"
     moved = [name for name, one in now.items() if not _alike_lamps(one, earlier["lamps"][name])]
     has_place = place is not None and earlier["place"] is not None
     if moved and has_place and not _alike(place, earlier["place"]):
@@ -179,8 +183,10 @@ def _lamps(context, obj, frame):
 
 def _lamp(obj, matrix, basis, frame):
     """`frame`: in which the lamp's matrix counts; None or False: its matrix is not up to date."""
+    linked = linking.of(obj)
     return {
         "kind": obj.data.type,
+        "linking": None if linked == linking.ALL else linked.note(),
         "normalize": getattr(obj.data, "normalize", True),
         "seen": lamps.numbers(obj, np.array(matrix, float), frame) if frame else None,
         "own": lamps.numbers(obj, np.array(basis, float), _OWN),

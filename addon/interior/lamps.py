@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..base import linking
 from ..base.messages import RefusedError
 from ..nodes import node_tree
 from .lights import WORLD, Source
@@ -20,12 +21,15 @@ LONGEST = 63 - len(" Strength")
 def rendered(depsgraph, frame, body):
     """The lamps of a render's dependency graph that light diffuse surfaces of the object `body`, by name;
     each name is unique and differs from the world's. Raises RefusedError for what lamina's lamps do not
-    have."""
+    have, and for lamps of whose light the object casts no shadows: in Cycles none reaches its interior."""
     found = []
     for instance in depsgraph.object_instances:
         obj = instance.object
         if obj.type == "LIGHT" and instance.show_self and shines(obj.original, body):
-            found.append(_source(obj, np.array(instance.matrix_world, float), frame))
+            linked = linking.of(obj.original)
+            check_blocks(obj, linked, body)
+            source = _source(obj, np.array(instance.matrix_world, float), frame)
+            found.append(replace(source, linking=linked))
     found.sort(key=lambda one: one.name)
     names = unique([one.name for one in found])
     return [replace(one, name=name) for one, name in zip(found, names, strict=True)]
@@ -35,20 +39,16 @@ def shines(obj, body):
     """False for a portal of the world's light, for a lamp that lights no diffuse surface, by its Ray
     Visibility, and for one that does not light the object `body`, by its Light Linking."""
     is_portal = obj.data.type == "AREA" and getattr(getattr(obj.data, "cycles", None), "is_portal", False)
-    receivers = obj.light_linking.receiver_collection
-    return obj.visible_diffuse and not is_portal and (receivers is None or _is_linked(receivers, body))
+    is_linked = linking.of(obj).receivers.holds(body.original.name_full)
+    return obj.visible_diffuse and not is_portal and is_linked
 
 
-def _is_linked(receivers, body):
-    """As Cycles takes Light Linking: a collection that only excludes objects links all others. All objects of
-    a child collection have the child's state, unless they are also listed by themselves."""
-    states = {}
-    for child, member in zip(receivers.children, receivers.collection_children, strict=True):
-        states |= dict.fromkeys(child.all_objects, member.light_linking.link_state)
-    for obj, member in zip(receivers.objects, receivers.collection_objects, strict=True):
-        states[obj] = member.light_linking.link_state
-    usual = "EXCLUDE" if "INCLUDE" in states.values() else "INCLUDE"
-    return states.get(body.original, usual) == "INCLUDE"
+def check_blocks(source, linked, body):
+    """Raises RefusedError if the object `body` casts no shadows of the light of an object `source`."""
+    if not linked.blockers.holds(body.original.name_full):
+        raise RefusedError(
+            f"{body.name} casts no shadows of the light of {source.name}: include {body.name} in the Shadow "
+            f"Linking of {source.name}, or hide {source.name} in renders")
 
 
 def unique(names):

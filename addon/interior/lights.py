@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.linking import ALL, Linking
 from ..base.messages import RefusedError
 from ..nodes import links, node_tree
 from . import world_image
@@ -16,7 +17,8 @@ WORLD = "World"  # name of the world's source
 class Source:
     """A lamp or the world. `kind`: of lamina's lamp, or "" for the world. `numbers`: of that lamp, in the
     object's axes and in mm. `factor`: the light of strength 1 relative to that lamp. `strength`, `colour`:
-    the present light. `radiance`: the world's image, for lamina.Surroundings, or None for one colour."""
+    the present light. `radiance`: the world's image, for lamina.Surroundings, or None for one colour.
+    `linking`: what the lamp lights, and what casts shadows of it."""
 
     name: str
     strength: float
@@ -25,6 +27,7 @@ class Source:
     numbers: dict = field(default_factory=dict)
     factor: float = 1.0
     radiance: np.ndarray | None = None
+    linking: Linking = ALL
 
     @property
     def is_dark(self):

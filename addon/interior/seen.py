@@ -31,7 +31,9 @@ def of_object(context, obj, material, uv_map=None, lit=True, camera=False):
         if not lit:
             return [], {}, None
         view = frame.view(depsgraph.scene_eval.camera) if camera else {}
-        return lamps.rendered(depsgraph, frame, obj), view, around.occluders(depsgraph, obj, frame, lamina)
+        found = lamps.rendered(depsgraph, frame, obj)
+        others, found = around.occluders(depsgraph, obj, frame, lamina, found)
+        return found, view, others
 
     def read(depsgraph):
         shape = body.of_object(depsgraph, obj, material, uv_map)

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
+from ..base import linking
 from . import float_render, lamps, seen
 
 SIDE = 64  # pixels along each side of the render
@@ -102,6 +103,7 @@ def _stage(context, obj, camera, materials):
         for slot in shown.material_slots:
             if materials.get(slot.material, slot.material) != slot.material:
                 slot.link, slot.material = "OBJECT", materials[slot.material]
+        copies = {obj: shown}
         for one in dict.fromkeys(seen.objects(context.view_layer.layer_collection)):
             is_dark = one.type == "LIGHT" and not lamps.shines(one, obj)
             if one in (obj, scene.camera) or is_dark:
@@ -109,8 +111,10 @@ def _stage(context, obj, camera, materials):
             copy = one.copy()
             made.append((data.objects, copy))
             copy.visible_glossy = False
-            copy.light_linking.receiver_collection = None  # which knows the object and not its copy
+            copies[one] = copy
             temporary.collection.objects.link(copy)
+        for one, copy in copies.items():
+            made.extend((data.collections, new) for new in linking.copied(one, copy, copies))
         if scene.world is not None:
             temporary.world = scene.world.copy()
             made.append((data.worlds, temporary.world))

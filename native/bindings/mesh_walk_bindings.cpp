@@ -18,6 +18,36 @@ using Triple = std::array<double, 3>;
 Ray ray_of(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
 Place place_of(const Triple& triple) { return {triple[0], triple[1], triple[2]}; }
 
+/// Sets of linkings, and numbers of linkings, by triangle.
+using LinkingSets = py::array_t<Occluders::LinkingSet, py::array::c_style>;
+using Linkings = py::array_t<std::uint8_t, py::array::c_style>;
+/// The members of Occluders::Links.
+using BoundLinks = std::tuple<LinkingSets, LinkingSets, Linkings, Occluders::LinkingSet>;
+
+Occluders::Links links_of(const BoundLinks& bound, py::ssize_t faces) {
+  const auto& [shadows, lit, emits, solid_lit] = bound;
+  const auto numbers = [faces](const auto& array) {
+    if (array.ndim() != 1 || array.shape(0) != faces) {
+      throw py::value_error("links must hold one value per triangle");
+    }
+    return std::vector(array.data(), array.data() + array.size());
+  };
+  Occluders::Links links{numbers(shadows), numbers(lit), numbers(emits), solid_lit};
+  if (std::any_of(links.emits.begin(), links.emits.end(), [](auto one) { return one >= Occluders::kLinkings; })) {
+    throw py::value_error("linkings must be below 64");
+  }
+  return links;
+}
+
+/// A lamp whose light has a linking.
+Lamp linked(Lamp lamp, unsigned linking) {
+  if (linking >= Occluders::kLinkings) {
+    throw py::value_error("linking must be below 64");
+  }
+  lamp.link(linking);
+  return lamp;
+}
+
 /// A solid, what stands around it, and the thread pool for its walks.
 struct BoundSolid {
   ThreadPool pool;
@@ -39,7 +69,7 @@ struct BoundSolid {
   }
 
   void stand_among(const Floats& vertices, const Indices& triangles, const Floats& albedo, const Floats& emission,
-                   const py::function& go_on) {
+                   const py::function& go_on, const std::optional<BoundLinks>& bound) {
     TrianglePart part = part_of(vertices, triangles);
     require_triples(albedo, "albedo");
     require_triples(emission, "emission");
@@ -51,8 +81,10 @@ struct BoundSolid {
       std::copy_n(albedo.data() + kChannels * face, kChannels, values[face].albedo.begin());
       std::copy_n(emission.data() + kChannels * face, kChannels, values[face].emission.begin());
     }
+    auto links = bound ? std::optional(links_of(*bound, albedo.shape(0))) : std::nullopt;
     occluders = built_on_a_thread<Occluders>(go_on, [&](const auto& ask) {
-      return std::make_unique<Occluders>(std::move(part), std::move(values), solid->size(), pool.threads(), ask);
+      return std::make_unique<Occluders>(std::move(part), std::move(values), std::move(links), solid->size(),
+                                         pool.threads(), ask);
     });
   }
 
@@ -288,8 +320,11 @@ void lamina::bind_mesh_walk(py::module_& module) {
            "Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal "
            "points inwards, 3 on an opaque face.")
       .def("stand_among", &BoundSolid::stand_among, py::arg("vertices"), py::arg("triangles"), py::arg("albedo"),
-           py::arg("emission"), py::arg("go_on"),
-           "Put opaque things around the solid, with the albedo and the emitted radiance of each triangle.")
+           py::arg("emission"), py::arg("go_on"), py::arg("links") = std::nullopt,
+           "Put opaque things around the solid, with the albedo and the emitted radiance of each triangle. `links`: "
+           "(the "
+           "linkings whose light each triangle takes, as bits, those that light it, the linking of what it emits, the "
+           "linkings that light the solid); without them all light meets everything.")
       .def_property_readonly("bytes", [](const BoundSolid& self) { return self.solid->bytes(); });
   py::class_<BoundGrid>(module, "Grid", "Coefficients in voxels [x, y, z] of a box in mm.")
       .def_static("of_coefficients", &grid_of_coefficients, py::arg("voxels").noconvert(), py::arg("low"),
@@ -325,7 +360,8 @@ void lamina::bind_mesh_walk(py::module_& module) {
           [](const Triple& centre, const Triple& first, const Triple& second, bool ellipse) {
             return Lamp::area(place_of(centre), ray_of(first), ray_of(second), ellipse);
           },
-          py::arg("centre"), py::arg("first"), py::arg("second"), py::arg("ellipse"));
+          py::arg("centre"), py::arg("first"), py::arg("second"), py::arg("ellipse"))
+      .def("linked", &linked, py::arg("linking"), "The lamp with light of this linking, 0 to 63.");
   py::class_<Surroundings>(module, "Surroundings", "Radiance by direction; without a table, 1 everywhere.")
       .def(py::init<>())
       .def(py::init([](const Floats& table) {

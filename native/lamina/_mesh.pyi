@@ -60,9 +60,9 @@ class Solid:
         """
         Of each start of walks: 0 where light can enter, 1 inside another part of the mesh, 2 where the normal points inwards, 3 on an opaque face.
         """
-    def stand_among(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], emission: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], go_on: collections.abc.Callable) -> None:
+    def stand_among(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], emission: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], go_on: collections.abc.Callable, links: tuple[typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], typing.Annotated[numpy.typing.ArrayLike, numpy.uint8], typing.SupportsInt | typing.SupportsIndex] | None = None) -> None:
         """
-        Put opaque things around the solid, with the albedo and the emitted radiance of each triangle.
+        Put opaque things around the solid, with the albedo and the emitted radiance of each triangle. `links`: (the linkings whose light each triangle takes, as bits, those that light it, the linking of what it emits, the linkings that light the solid); without them all light meets everything.
         """
     @property
     def bytes(self) -> int:
@@ -103,6 +103,10 @@ class Lamp:
     @staticmethod
     def spot(centre: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: typing.SupportsFloat | typing.SupportsIndex, blend: typing.SupportsFloat | typing.SupportsIndex) -> Lamp:
         ...
+    def linked(self, linking: typing.SupportsInt | typing.SupportsIndex) -> Lamp:
+        """
+        The lamp with light of this linking, 0 to 63.
+        """
 class Surroundings:
     """
     Radiance by direction; without a table, 1 everywhere.

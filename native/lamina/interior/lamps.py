@@ -11,21 +11,34 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..common.arguments import check_field, finite_array
+from ..common.arguments import check_field, check_whole, finite_array
 from ..common.errors import ArgumentError, quoted
 from ..kinds.fields import Field
 
 LEAST_DISC = math.radians(1.0)  # behind a smooth boundary, the noise of smaller discs is too large
+MOST_LINKINGS = 64
 _ANGLE = Field("angle", 0.0, 1.0)
 _RADIUS = Field("radius", 0.0, 1e12, unit="mm")
 _CONE = Field("cone", 1e-3, math.pi)
 _BLEND = Field("blend", 0.0, 1.0)
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Linked:
+    """A lamp whose light has a linking, 0 to 63: of the lamina.Occluders, those of this linking take its light and
+    reflect it; by default all. Raises ArgumentError."""
+
+    linking: int = 0
+
+    def __post_init__(self):
+        _set(self, linking=check_whole(self.linking, "linking", 0, MOST_LINKINGS - 1))
+
+
 @dataclass(frozen=True)
-class Lamp:
+class Lamp(_Linked):
     """A distant lamp with irradiance 1 on a plane perpendicular to its direction. `towards`: direction to the lamp, any
-    length above 0. `angle`: angular radius of the lamp's disc in radians, [0, 1]. Raises ArgumentError."""
+    length above 0. `angle`: angular radius of the lamp's disc in radians, [0, 1]. `linking` of this and of other lamps:
+    0 to 63, see lamina.Occluders. Raises ArgumentError."""
 
     towards: Sequence[float]
     angle: float = 0.0
@@ -33,6 +46,7 @@ class Lamp:
     kind: ClassVar[str] = "distant"
 
     def __post_init__(self):
+        super().__post_init__()
         _set(self, towards=_direction(self.towards, "towards"), angle=check_field(self.angle, _ANGLE))
 
     @property
@@ -50,7 +64,7 @@ class Lamp:
 
 
 @dataclass(frozen=True)
-class PointLamp:
+class PointLamp(_Linked):
     """A sphere that shines evenly, with irradiance 1 at a distance of 1 m from its centre. `position`: of the centre,
     mm. `radius`: mm, [0, 1e12]. Raises ArgumentError."""
 
@@ -60,6 +74,7 @@ class PointLamp:
     kind: ClassVar[str] = "point"
 
     def __post_init__(self):
+        super().__post_init__()
         _set(self, position=_three(self.position, "position"), radius=check_field(self.radius, _RADIUS))
 
     @property
@@ -75,7 +90,7 @@ class PointLamp:
 
 
 @dataclass(frozen=True)
-class SpotLamp:
+class SpotLamp(_Linked):
     """A PointLamp that shines into a cone. `direction`: along which the lamp shines, any length above 0. `cone`: the
     whole angle of the cone in radians, [0.001, pi]. `blend`: [0, 1], the part of the cone over which the light falls to
     0, as in Blender. Raises ArgumentError."""
@@ -89,6 +104,7 @@ class SpotLamp:
     kind: ClassVar[str] = "spot"
 
     def __post_init__(self):
+        super().__post_init__()
         _set(self, position=_three(self.position, "position"), direction=_direction(self.direction, "direction"),
              cone=check_field(self.cone, _CONE), blend=check_field(self.blend, _BLEND),
              radius=check_field(self.radius, _RADIUS))
@@ -107,7 +123,7 @@ class SpotLamp:
 
 
 @dataclass(frozen=True)
-class AreaLamp:
+class AreaLamp(_Linked):
     """A rectangle or an ellipse of radiance 1 that shines to one side. `position`: of the centre, mm. `first`,
     `second`: from the centre to the middle of two edges in mm, perpendicular to each other; the lamp shines to the side
     of first x second. Raises ArgumentError."""
@@ -121,6 +137,7 @@ class AreaLamp:
     too_small: ClassVar[str] = ""
 
     def __post_init__(self):
+        super().__post_init__()
         first, second = _three(self.first, "first"), _three(self.second, "second")
         lengths = np.linalg.norm(first), np.linalg.norm(second)
         if not (min(lengths) > 0.0 and abs(np.dot(first, second)) <= 1e-3 * lengths[0] * lengths[1]):
@@ -165,15 +182,15 @@ class Surroundings:
 
 
 def to_json(lamp: AnyLamp) -> dict:
-    """A plain object for json.dump."""
+    """A plain object for json.dump. The usual linking is left out."""
     return {"kind": lamp.kind, **{name: list(value) if isinstance(value, tuple) else value
-                                  for name, value in asdict(lamp).items()}}
+                                  for name, value in asdict(lamp).items() if name != "linking" or value}}
 
 
 def from_json(data: dict) -> AnyLamp:
     """Inverse of to_json. Raises KeyError, TypeError or ArgumentError for other data."""
     cls = KINDS[data["kind"]]
-    return cls(**{one.name: data[one.name] for one in fields(cls)})
+    return cls(**{one.name: data[one.name] for one in fields(cls) if one.name in data})
 
 
 def _set(lamp, **values) -> None:

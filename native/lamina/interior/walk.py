@@ -56,7 +56,8 @@ class Walker:
         self._solid = solid_in_core = built(tuple(opaque.tolist()) if opaque.any() else (), step)
         if others is not None:
             solid_in_core.stand_among(np.ascontiguousarray(others.vertices - centre, np.float32), others.triangles,
-                                      others.albedo, others.emission, lambda _fraction: step(1.0, "sorting the faces"))
+                                      others.albedo, others.emission, lambda _fraction: step(1.0, "sorting the faces"),
+                                      others.links)
         self._clear = functools.cache(lambda: solid_in_core if is_clear else built((), silent))
         self._grid = _grid(layer, self.problem.interior, centre)
 
@@ -101,7 +102,7 @@ class Walker:
     def lights(self, samples: Samples, step: Progress, part: range | None = None) -> list[np.ndarray]:
         """Tally light of lamps and surroundings: [sums, squares, counts] of all points, or of a `part`."""
         lit = self.problem.lit_by_walks
-        lamps = [lamp.in_core(self._layer, self._centre) for lamp in lit.lamps]
+        lamps = [self._lamp_in_core(lamp) for lamp in lit.lamps]
         around = () if lit.surroundings is None else (lit.surroundings.radiance,)
         return self._each(self._layer.walk_to_lights, samples, step, part, lamps, lit.by_occluders,
                           self._layer.Surroundings(*around))
@@ -138,8 +139,11 @@ class Walker:
         numbers = np.where(image.mask, np.cumsum(image.mask).reshape(image.mask.shape) - 1, -1)
         texels = self._layer.SurfaceTexels(self._solid, np.ascontiguousarray(uvs, float),
                                            numbers.astype(np.int32), points.positions - self._centre, points.normals)
-        return texels, [self._layer.PhotonSource(self._solid, lamp.in_core(self._layer, self._centre))
+        return texels, [self._layer.PhotonSource(self._solid, self._lamp_in_core(lamp))
                         for lamp in self.problem.lights.lamps]  # type: ignore[union-attr]  # an image has lamps
+
+    def _lamp_in_core(self, lamp: AnyLamp):
+        return lamp.in_core(self._layer, self._centre).linked(lamp.linking)
 
     @functools.cached_property
     def _boundary(self):

@@ -65,6 +65,35 @@ def test_copies_and_curves_count(seen):
     assert len(seen().triangles) == 4 + tube + len(again.data.loop_triangles)
 
 
+def link(name, kind, **states):
+    """The linking of an object: states of objects."""
+    found = bpy.data.collections.new(kind)
+    for number, (other, state) in enumerate(states.items()):
+        found.objects.link(bpy.data.objects[other])
+        found.collection_objects[number].light_linking.link_state = state
+    setattr(bpy.data.objects[name].light_linking, f"{kind}_collection", found)
+
+
+def test_what_a_mesh_that_shines_is_linked_to(addon, seen):
+    """The wall shines, lights the floor alone, and has no shadow of the floor. An object that does not shine counts
+    like any other."""
+    link("Floor", "receiver", Wall="INCLUDE")
+    assert seen().links is None
+    inputs = addon.nodes.node_tree.of(bpy.data.materials["Wall"])
+    shader = inputs.nodes.new("ShaderNodeEmission")
+    inputs.links.new(shader.outputs[0], inputs.nodes["Material Output"].inputs["Surface"])
+    link("Wall", "receiver", Floor="INCLUDE")
+    link("Wall", "blocker", Floor="EXCLUDE")
+    found = seen()
+    is_wall = found.emission.any(axis=1)
+    assert is_wall.sum() == 2 and (found.linking == is_wall).all()
+    assert (found.lit == np.where(is_wall, 1, 3)).all() and (found.shadows == np.where(is_wall, 3, 1)).all()
+    assert found.solid_lit == 1
+    link("Wall", "blocker", Torus="EXCLUDE")
+    with pytest.raises(ValueError, match="Torus casts no shadows of the light of Wall"):
+        seen()
+
+
 def test_albedos(addon, seen):
     from bl_ext.user_default.lamina.interior import around
 

@@ -228,6 +228,25 @@ def test_lamps(freshness, lit, change, words):
     assert stale(freshness, lit).startswith(words)
 
 
+def test_the_linking_of_lamps_and_of_meshes(freshness, lit):
+    note(freshness, lit)
+    wall = linked("Wall", icosphere("Wall", 1.0))
+    note(freshness, lit)
+    listed = bpy.data.collections.new("Listed")
+    listed.objects.link(wall)
+    for name in ("receiver_collection", "blocker_collection"):
+        listed.collection_objects[0].light_linking.link_state = "EXCLUDE"
+        for owner, words in (("Key", "Key has another light linking or shadow linking since: compute again"),
+                             ("Far", "Far of Instance has another light linking"),
+                             ("Wall", "Other objects have moved or changed since")):
+            setattr(bpy.data.objects[owner].light_linking, name, listed)
+            assert stale(freshness, lit).startswith(words)
+            note(freshness, lit)
+            assert stale(freshness, lit) == ""
+    listed.collection_objects[0].light_linking.link_state = "INCLUDE"
+    assert stale(freshness, lit) == "Key and Far of Instance no longer lights the object: compute again"
+
+
 def test_a_lamp_that_the_viewport_hides(freshness, lit):
     """Its matrix is not up to date, so its own location counts."""
     key = bpy.data.objects["Key"]

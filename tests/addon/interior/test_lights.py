@@ -4,16 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from mathutils import Euler, Vector
-
-SOURCES = {
-    "SUN": {"energy": 2.0, "angle": 0.1},
-    "POINT": {"energy": 900.0, "shadow_soft_size": 0.3},
-    "SPOT": {"energy": 1500.0, "shadow_soft_size": 0.1, "spot_size": 0.5, "spot_blend": 0.4},
-    "AREA": {"energy": 700.0, "shape": "RECTANGLE", "size": 0.8, "size_y": 0.4},
-    "DISK": {"energy": 700.0, "shape": "DISK", "size": 0.8},
-}
-PLACE = Vector((3.0, -4.0, 9.0))
+from lit_patch import PLACE, SOURCES, irradiance_in_cycles, lit_scene
+from mathutils import Euler
 
 
 @pytest.fixture
@@ -22,64 +14,12 @@ def rooms(addon, lamina):
 
     return body, float_render, lights, world_image
 
-
 def lamps_of(scene, frame):
     from bl_ext.user_default.lamina.base import rendered
     from bl_ext.user_default.lamina.interior import lamps
 
     body = next((one for one in scene.objects if one.type == "MESH"), None) or bpy.data.objects.new("Body", None)
     return rendered.visit(scene, bpy.context.view_layer, lambda depsgraph: lamps.rendered(depsgraph, frame, body))
-
-
-def lit_scene(name, **more):
-    """The scene with one lamp that shines at the origin; a spot shines a little beside the origin. `more`: properties
-    of the lamp."""
-    scene, numbers = bpy.context.scene, {**SOURCES[name], **more}
-    kind = "AREA" if name == "DISK" else name
-    obj = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
-    for field, value in numbers.items():
-        setattr(obj.data, field, value)
-    turn = (PLACE - Vector((0.0, 0.0, 2.0 if name == "SPOT" else 0.0))).to_track_quat("Z", "Y")
-    obj.location, obj.rotation_euler = PLACE, turn.to_euler()
-    scene.collection.objects.link(obj)
-    scene.world = bpy.data.worlds.new("Dark")
-    scene.world.color = (0.0, 0.0, 0.0)
-    # From Blender 5.0 on, a new world has nodes, with a grey background.
-    for node in scene.world.node_tree.nodes if scene.world.node_tree is not None else ():
-        if node.type == "BACKGROUND":
-            node.inputs["Strength"].default_value = 0.0
-    bpy.context.view_layer.update()
-    return scene
-
-
-def irradiance_in_cycles(float_render, scene, change=lambda: None):
-    """At the origin, on a plane perpendicular to the light: pi times the radiance of a white diffuse patch. `change`:
-    called before the render."""
-    from bl_ext.user_default.lamina.nodes import node_tree
-
-    mesh = bpy.data.meshes.new("Patch")
-    mesh.from_pydata([(-0.01, -0.01, 0), (0.01, -0.01, 0), (0.01, 0.01, 0), (-0.01, 0.01, 0)], [], [(0, 1, 2, 3)])
-    patch = bpy.data.objects.new("Patch", mesh)
-    material = bpy.data.materials.new("White")
-    node_tree.of(material).nodes.clear()
-    shader = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
-    shader.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    output = material.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    mesh.materials.append(material)
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 0.01
-    turn = PLACE.to_track_quat("Z", "Y")
-    patch.rotation_euler = camera.rotation_euler = turn.to_euler()
-    camera.location = 0.5 * PLACE.normalized() + turn @ Vector((0.001, 0.002, 0.0))
-    for obj in (patch, camera):
-        scene.collection.objects.link(obj)
-    scene.camera = camera
-    float_render.prepare(scene, 4, 4)
-    scene.cycles.samples = 1024
-    change()
-    return np.pi * float_render.picture(scene)[..., 0].mean()
-
 
 def check_irradiance(rooms, lamina, name, ball_scale=(0.01,) * 3, lamp_scale=(1.0,) * 3, **more):
     """A small dense ball that is turned, moved and scaled, in a scene of other units: its light is the irradiance of
@@ -113,45 +53,6 @@ def check_irradiance(rooms, lamina, name, ball_scale=(0.01,) * 3, lamp_scale=(1.
 @pytest.mark.parametrize("name", SOURCES)
 def test_a_lamp_gives_the_irradiance_of_cycles(rooms, lamina, name):
     check_irradiance(rooms, lamina, name)
-
-
-def linked(linking):
-    """A collection of receivers: {name of an object, or a collection below with such a dictionary: state}."""
-    found = bpy.data.collections.new("Receivers")
-    for number, (name, state) in enumerate(linking.items()):
-        if isinstance(state, dict):
-            found.children.link(linked(state))
-            found.collection_children[-1].light_linking.link_state = name
-        else:
-            found.objects.link(bpy.data.objects.get(name) or bpy.data.objects.new(name, None))
-            found.collection_objects[number].light_linking.link_state = state
-    return found
-
-
-@pytest.mark.parametrize(("linking", "shines"), [
-    ({"Patch": "INCLUDE"}, True), ({"Patch": "EXCLUDE"}, False), ({"Other": "INCLUDE"}, False),
-    ({"Other": "EXCLUDE"}, True), ({"Other": "INCLUDE", "Patch": "EXCLUDE"}, False), ({}, None),
-    ({"EXCLUDE": {"Patch": "INCLUDE"}}, False), ({"INCLUDE": {"Patch": "INCLUDE"}}, True),
-    ({"Patch": "INCLUDE", "EXCLUDE": {"Patch": "INCLUDE"}}, True), ({"INCLUDE": {"Patch": "EXCLUDE"}}, True),
-    ({"Patch": "EXCLUDE", "INCLUDE": {"Patch": "INCLUDE"}}, False),
-    ({"INCLUDE": {"EXCLUDE": {"Patch": "INCLUDE"}}}, True), ({"EXCLUDE": {"INCLUDE": {"Patch": "INCLUDE"}}}, False),
-])  # fmt: skip
-def test_light_linking_is_that_of_cycles(addon, linking, shines):
-    from bl_ext.user_default.lamina.interior import body, float_render
-
-    scene = lit_scene("SUN")
-    found = {}
-
-    def link():
-        scene.objects["SUN"].light_linking.receiver_collection = linked(linking)
-        bpy.context.view_layer.update()
-        frame = body.frame_of(scene.objects["Patch"], scene)
-        found["lamps"] = lamps_of(scene, frame)
-
-    irradiance = irradiance_in_cycles(float_render, scene, link)
-    assert bool(found["lamps"]) == (irradiance > 0.1)
-    assert shines is None or bool(found["lamps"]) == shines
-
 
 MIRRORED = (-1.0, 1.0, 1.0)
 

@@ -2,6 +2,8 @@
 """Photons of lamps in light maps, against walks from the points, which share no estimator of light with them, and
 against the light that enters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from walk_meshes import sphere
@@ -24,6 +26,9 @@ LAMPS = [Lamp([0.4, -1.0, 0.6], 0.3), PointLamp([1.0, 0.5, 5.0], 0.6),
 AROUND = Occluders([[-9, -9, -0.2], [9, -9, -0.2], [9, 9, -0.2], [-9, 9, -0.2],
                     [-1, -1, 0], [-1, 4, 0], [-1, 4, 0.8], [-1, -1, 0.8]],
                    [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], [[0.9, 0.5, 0.2]] * 2 + [[0.3, 0.6, 0.8]] * 2)
+# The wall takes no light of linking 1, and reflects none of linking 2.
+LINKED = replace(AROUND, shadows=[2**64 - 1] * 2 + [1 + 4] * 2, lit=[2**64 - 1] * 2 + [1 + 2] * 2)
+LINKED_LAMPS = [replace(lamp, linking=number % 3) for number, lamp in enumerate(LAMPS, 1)]
 PLAIN = Interior.uniform(EndMaterial((2.0, 3.0, 1.5), (0.1, 0.02, 0.3), 0.4))
 RNG = np.random.default_rng(4)
 VEINED = Interior.of_coefficients(RNG.uniform(1.0, 4.0, (4, 4, 4, 3)), RNG.uniform(0.0, 0.5, (4, 4, 4, 3)), (0, 0, 0),
@@ -78,14 +83,15 @@ def radiance(walker, samples, seed):
     (STAIRS, PLAIN, Surface(1.4), 150, None), (STAIRS, PLAIN, Surface(1.4, 0.3), 20, None),
     (STAIRS, VEINED, Surface(), 20, None), (CUP, PLAIN, Surface(), 20, None),
     (CUP, VEINED, Surface(1.4, 0.3), 20, None), (STAIRS, PLAIN, Surface(1.4, 0.3), 60, AROUND),
-    (CUP, PLAIN, Surface(), 60, AROUND)],
-    ids=["smooth", "rough", "veined", "cup", "veined rough cup", "rough among others", "cup among others"])
+    (CUP, PLAIN, Surface(), 60, AROUND), (STAIRS, PLAIN, Surface(1.4, 0.3), 60, LINKED)],
+    ids=["smooth", "rough", "veined", "cup", "veined rough cup", "rough among others", "cup among others", "linked"])
 def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
     """The mean over the faces of each side: photons by texels, walks from random places. Light that meets an occluder
     first is left to walks in both."""
     solid, uvs, across = of_voxels(filled)
     size = PER_SIDE * across
-    walker = walker_of(solid, uvs, size, interior, surface, LAMPS, occluders)
+    lamps = LINKED_LAMPS if occluders is LINKED else LAMPS
+    walker = walker_of(solid, uvs, size, interior, surface, lamps, occluders)
     value, stderr = radiance(walker, 300, 1)
     rows, columns = np.nonzero(walker.problem.image.mask)
     face = rows // PER_SIDE * across + columns // PER_SIDE
@@ -103,9 +109,9 @@ def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
         found = estimated(Problem(solid, interior, surface, lights, points), Run(samples, seed=seed))
         return found.lamps.value.reshape(len(squares), places, len(LAMPS), 3)
 
-    found = by_walks(Lights(LAMPS, None, occluders), 3)
+    found = by_walks(Lights(lamps, None, occluders), 3)
     if occluders is not None:
-        found = found - by_walks(Lights(LAMPS, None, occluders, by_occluders=True), 4)
+        found = found - by_walks(Lights(lamps, None, occluders, by_occluders=True), 4)
     walk_errors = found.std(axis=1) / np.sqrt(places - 1)
 
     def of_sides(values, which):
@@ -119,6 +125,18 @@ def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
     z = (photons - walks) / np.sqrt(variance + of_sides(walk_errors**2, slice(None)))
     assert np.abs(z).max() < z_limit(z.size), z
     assert (np.sqrt(variance) < 0.2 * photons).all()
+
+
+def test_photons_pass_what_does_not_take_their_linking():
+    solid, uvs, across = of_voxels(STAIRS)
+    lid = Occluders([[-9, -9, 2.5], [9, -9, 2.5], [0, 9, 2.5]], [[0, 1, 2]], shadows=2**64 - 1 - 2)
+    lamp = Lamp([0.0, 0.1, 1.0])
+    lamps = [lamp, replace(lamp, linking=1)]
+    size = PER_SIDE * across
+    alone = walker_of(solid, uvs, size, PLAIN, Surface(), lamps).photons(Samples(20, 1), silent)
+    among = walker_of(solid, uvs, size, PLAIN, Surface(), lamps, lid).photons(Samples(20, 1), silent)
+    assert not among[0][:, 0].any() and alone[0][:, 0].any()
+    assert np.array_equal(among[0][:, 1], alone[0][:, 1]) and among[0][:, 1].any()
 
 
 @pytest.mark.parametrize(("surface", "entering"), [(Surface(), 1.0), (Surface(1.5), 0.96)], ids=["matched", "smooth"])

@@ -53,6 +53,10 @@ class Lamp {
   };
   std::optional<Seen> seen(const Place& from, const Ray& direction) const;
 
+  /// The linking of the lamp's light, see Occluders.
+  unsigned linking() const { return linking_; }
+  void link(unsigned linking) { linking_ = linking; }
+
   /// The sine of the largest angle between directions from a position to two points of the lamp, at most 1.
   double spread(const Place& at) const;
 
@@ -62,6 +66,7 @@ class Lamp {
   double narrowed(const Ray& towards) const;
 
   Kind kind_ = Kind::kDistant;
+  unsigned linking_ = 0;
   Ray axis_;  ///< distant: to the lamp; otherwise: along which the lamp shines
   double cosine_ = 1.0;
   double blend_ = 0.0;

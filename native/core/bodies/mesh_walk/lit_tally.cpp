@@ -58,20 +58,29 @@ void LitTally::scatters(const Scattering& scattering, Rng& rng) {
   }
 }
 
+void LitTally::meets_emission(const Weights& radiance, const Weights& weights) {
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    found_.back()[c] += weights[c] * radiance[c];
+  }
+}
+
 void LitTally::meets_occluder(const Occluders::Hit& hit, const Weights& arriving, Rng& rng) {
   Weights weights = arriving;
   for (std::size_t c = 0; c < kChannels; ++c) {
-    found_.back()[c] += arriving[c] * static_cast<double>(hit.face.emission[c]);
     weights[c] *= static_cast<double>(hit.face.albedo[c]);
   }
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    if ((hit.lit >> lamps_[k].linking() & 1U) == 0) {
+      continue;
+    }
     const LampLight light = lamps_[k].light(hit.place, LampPoint(rng));
     const double flux = light.irradiance * std::max(0.0, light.towards.dot(hit.normal));
     if (flux == 0.0) {
       continue;
     }
     // Light that has passed the solid is not light that meets an occluder first.
-    Weights seen = walk_.arriving(hit.place, light.towards, light.distance, !by_occluders_, rng, counts_);
+    Weights seen =
+        walk_.arriving(hit.place, light.towards, light.distance, !by_occluders_, lamps_[k].linking(), rng, counts_);
     for (std::size_t c = 0; c < kChannels; ++c) {
       seen[c] *= weights[c];
     }
@@ -137,7 +146,7 @@ double LitTally::entering(const Lamp& lamp, const LampPoint& point, const Place&
   if (radiance > 0.0) {
     ++counts_.rays;
   }
-  return radiance > 0.0 && walk_.is_visible(place, towards, distance) ? radiance : 0.0;
+  return radiance > 0.0 && walk_.is_visible(place, towards, distance, lamp.linking()) ? radiance : 0.0;
 }
 
 void LitTally::collect_through_matched(const Scattering& scattering, Rng& rng) {
@@ -146,8 +155,8 @@ void LitTally::collect_through_matched(const Scattering& scattering, Rng& rng) {
     if (light.irradiance == 0.0) {
       continue;
     }
-    Weights weights =
-        walk_.transmittance(scattering.place, light.towards, light.distance, scattering.shells, rng, counts_);
+    Weights weights = walk_.transmittance(scattering.place, light.towards, light.distance, scattering.shells,
+                                          lamps_[k].linking(), rng, counts_);
     const Weights phases = scattering.phases(scattering.before.dot(light.towards));
     for (std::size_t c = 0; c < kChannels; ++c) {
       weights[c] *= scattering.weights[c] * phases[c];

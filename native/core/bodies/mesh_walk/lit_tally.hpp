@@ -26,7 +26,7 @@ struct LitSums {
 ///   reflected into the lamp, whose size must not be 0. In both cases also a ray from each scattering in the direction
 ///   of an AimedLight.
 /// Paths that escape count the surroundings. Light that leaves and meets the solid again is followed. At an occluder,
-/// a ray goes to each lamp; what occluders emit counts as light of the surroundings.
+/// a ray goes to each lamp that lights the occluder; what occluders emit counts as light of the surroundings.
 class LitTally final : public WalkListener {
  public:
   /// `by_occluders`: of the light of lamps, only that which meets an occluder first.
@@ -44,6 +44,7 @@ class LitTally final : public WalkListener {
   bool leaves(const Meeting&) override { return true; }
   void escapes(const Ray& direction, const Weights& weights) override;
   void scatters(const Scattering& scattering, Rng& rng) override;
+  void meets_emission(const Weights& radiance, const Weights& weights) override;
   void meets_occluder(const Occluders::Hit& hit, const Weights& weights, Rng& rng) override;
   void meets_boundary(const Meeting& meeting, Rng& rng) override;
 

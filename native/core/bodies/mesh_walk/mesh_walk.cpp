@@ -293,15 +293,19 @@ class MeshWalk::Path {
 
   /// Follows light outside. Returns true if the light enters the solid again.
   bool follow_outside() {
+    auto lit = occluders_ == nullptr ? Occluders::kAll : occluders_->solid_lit();  // of what the light has left
     for (;;) {
       ++counts_.rays;
       const auto crossing = SurfaceSearch(solid_, place_, direction_, shells_, true).entering(kInfinity);
       if (occluders_ != nullptr) {
         const double end = crossing ? crossing->distance : kInfinity;
-        if (const auto other = occluders_->first(place_, direction_, end)) {
+        const auto other = occluders_->first(place_, direction_, end);
+        listener_.meets_emission(occluders_->emitted(place_, direction_, end, other, lit), weights_);
+        if (other) {
           if (!reflect(*other)) {
             return false;
           }
+          lit = other->lit;
           continue;
         }
       }
@@ -313,12 +317,10 @@ class MeshWalk::Path {
         return false;
       }
       meet_boundary();
-      if (direction_.dot(normal_) <= 0.0) {
-        return true;
+      if (const bool enters = direction_.dot(normal_) <= 0.0; enters || !survives_roulette()) {
+        return enters;
       }
-      if (!survives_roulette()) {
-        return false;
-      }
+      lit = occluders_ == nullptr ? lit : occluders_->solid_lit();
     }
   }
 

@@ -59,6 +59,8 @@ class WalkListener {
   /// Light that was followed outside does not meet the solid again.
   virtual void escapes(const Ray&, const Weights&) {}
   virtual void scatters(const Scattering&, Rng&) {}
+  /// Light that occluders emit meets light outside, which has these weights.
+  virtual void meets_emission(const Weights&, const Weights&) {}
   /// Light outside meets an occluder.
   virtual void meets_occluder(const Occluders::Hit&, const Weights&, Rng&) {}
   /// Light meets a boundary, from inside or from outside.
@@ -118,9 +120,9 @@ class MeshWalk {
 
   /// Unbiased estimate per channel, by ratio tracking (Novak et al. 2014), of the transmittance from a position inside
   /// the solid along a direction up to the distance `farthest`. The ray may leave and enter the solid again. For a
-  /// matched boundary. `shells`: see Scattering.
-  Weights transmittance(const Place& from, const Ray& direction, double farthest, int shells, Rng& rng,
-                        WalkCounts& counts) const;
+  /// matched boundary. `shells`: see Scattering. `linking`: of the light, which not all occluders take.
+  Weights transmittance(const Place& from, const Ray& direction, double farthest, int shells, unsigned linking,
+                        Rng& rng, WalkCounts& counts) const;
   /// Where a ray from inside first leaves the solid, with the transmittance by ratio tracking; nothing if no light
   /// arrives there.
   std::optional<Emergence> emergence(const Place& from, const Ray& direction, int shells, Rng& rng,
@@ -134,12 +136,12 @@ class MeshWalk {
   const SurfaceBoundary& boundary() const { return boundary_; }
   /// The share of light that reaches a position outside from the distance `farthest` without scattering. `through`:
   /// also through the solid, if its boundary is matched.
-  Weights arriving(const Place& from, const Ray& direction, double farthest, bool through, Rng& rng,
+  Weights arriving(const Place& from, const Ray& direction, double farthest, bool through, unsigned linking, Rng& rng,
                    WalkCounts& counts) const;
 
-  /// True if neither a part of the solid nor an occluder lies between a position outside or on the surface and the
-  /// distance `farthest`.
-  bool is_visible(const Place& from, const Ray& direction, double farthest) const;
+  /// True if neither a part of the solid nor an occluder takes light of a linking between a position outside or on the
+  /// surface and the distance `farthest`.
+  bool is_visible(const Place& from, const Ray& direction, double farthest, unsigned linking) const;
 
  private:
   class Path;

@@ -105,7 +105,7 @@ std::optional<MeshWalk::Photon> PhotonSource::photon(Rng& rng, WalkCounts& count
   if (first && first->distance < away - 1e-4 * solid_.size()) {
     return std::nullopt;
   }
-  if (occluders_ != nullptr && occluders_->block(place, light.towards, light.distance)) {
+  if (occluders_ != nullptr && occluders_->block(place, light.towards, light.distance, lamp_.linking())) {
     return std::nullopt;
   }
   return MeshWalk::Photon{place, here.normal, face, -light.towards, flux / (probability * flux_)};

@@ -39,8 +39,8 @@ bool MeshWalk::pass(BrickFlight& flight, const Place& from, const Ray& direction
   }
 }
 
-Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double farthest, int shells, Rng& rng,
-                                WalkCounts& counts) const {
+Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double farthest, int shells, unsigned linking,
+                                Rng& rng, WalkCounts& counts) const {
   Weights shares = {1.0, 1.0, 1.0};
   BrickFlight flight(grid_, from, direction, kChannels);
   SurfaceSearch surface(solid_, from, direction, shells, false);
@@ -61,7 +61,7 @@ Weights MeshWalk::transmittance(const Place& from, const Ray& direction, double 
     const auto in = surface.entering(farthest);
     const Place outside = from.moved(direction, out->distance);
     if (occluders_ != nullptr &&
-        occluders_->block(outside, direction, (in ? in->distance : farthest) - out->distance)) {
+        occluders_->block(outside, direction, (in ? in->distance : farthest) - out->distance, linking)) {
       return {};
     }
     if (!in) {
@@ -95,11 +95,11 @@ std::optional<Ray> MeshWalk::normal_towards(const Place& from, const Ray& direct
   return out && !out->is_opaque ? std::optional(out->normal) : std::nullopt;
 }
 
-Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farthest, bool through, Rng& rng,
-                           WalkCounts& counts) const {
+Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farthest, bool through, unsigned linking,
+                           Rng& rng, WalkCounts& counts) const {
   ++counts.rays;
   const auto in = SurfaceSearch(solid_, from, direction, 1, true).entering(farthest);
-  if (occluders_ != nullptr && occluders_->block(from, direction, in ? in->distance : farthest)) {
+  if (occluders_ != nullptr && occluders_->block(from, direction, in ? in->distance : farthest, linking)) {
     return {};
   }
   if (!in) {
@@ -108,12 +108,13 @@ Weights MeshWalk::arriving(const Place& from, const Ray& direction, double farth
   if (!through || in->is_opaque || boundary_.kind() != SurfaceBoundary::Kind::kMatched) {
     return {};
   }
-  return transmittance(from.moved(direction, in->distance), direction, farthest - in->distance, 1, rng, counts);
+  return transmittance(from.moved(direction, in->distance), direction, farthest - in->distance, 1, linking, rng,
+                       counts);
 }
 
-bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest) const {
+bool MeshWalk::is_visible(const Place& from, const Ray& direction, double farthest, unsigned linking) const {
   return !SurfaceSearch(solid_, from, direction, 1, true).entering(farthest) &&
-         (occluders_ == nullptr || !occluders_->block(from, direction, farthest));
+         (occluders_ == nullptr || !occluders_->block(from, direction, farthest, linking));
 }
 
 }  // namespace lamina
