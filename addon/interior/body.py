@@ -42,9 +42,9 @@ class Frame:
 
 @dataclass(frozen=True)
 class Body:
-    """`arrays`: in the object's own axes, in mm. `millimetres`: (3,), of a unit of the object's own space along
-    its axes. `own`, (m,) bool: which triangles have the material; `opaque`: which have an opaque one. `notes`:
-    sentences about faces of other materials."""
+    """`arrays`: in the object's own axes, in mm. `millimetres`: (3,), of a unit of the object's own space
+    along its axes. `own`, (m,) bool: which triangles have the material; `opaque`: which have an opaque one.
+    `notes`: sentences about faces of other materials."""
 
     arrays: mesh_arrays.Arrays
     millimetres: np.ndarray

@@ -147,7 +147,8 @@ def test_node_texture_between_materials(jobs, ball, lamina, stretch):
         interior = jobs.gather(bpy.context, ball, material).fill(None, None)
         _, width, height = interior.voxels.shape
         coordinate = interior.voxels[:, width // 2, height // 2] / 65535.0
-        centres = 0.1 / stretch * interior.high[0] * ((np.arange(16) + 0.5) / 8.0 - 1.0)  # in units of the object's space
+        # In units of the object's space
+        centres = 0.1 / stretch * interior.high[0] * ((np.arange(16) + 0.5) / 8.0 - 1.0)
         np.testing.assert_allclose(coordinate, np.clip(centres, 0.0, 1.0), atol=2e-3)
         make(jobs, ball)
 
