@@ -27,7 +27,7 @@ HARD = {
     "tarnished-silver": (0.075, 0.26),  # a strongly absorbing layer over a narrow lobe
 }
 OVERLAY = (0.065, 0.45)  # over glossy plastic; the same reason as for dusty bronze
-MEAN_OF_ALL = 0.022
+MEAN_OF_USUAL = 0.0175  # of all presets with a base that are not in HARD
 PLASTIC = PrincipledBase(color=(0.6, 0.02, 0.015), roughness=0.15)
 THROUGH, THROUGH_WORST, THROUGH_OF_ALL = 0.28, 0.55, 0.16
 
@@ -60,6 +60,7 @@ def test_all_presets_together(reports):
     if len(reports) < len(presets.names()):
         pytest.skip("only some presets were baked")
     reports = {entry.id: reports[entry.id] for entry in presets.entries() if entry.category != "Overlays"}
-    assert statistics.fmean(report["fit_error"] for report in reports.values()) < MEAN_OF_ALL
+    usual = [report["fit_error"] for name, report in reports.items() if name not in HARD]
+    assert statistics.fmean(usual) < MEAN_OF_USUAL
     through = [report["fit_error_transmission"] for report in reports.values()]
     assert statistics.fmean(error for error in through if error is not None) < THROUGH_OF_ALL
