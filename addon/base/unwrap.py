@@ -36,14 +36,13 @@ def ensure(obj):
 
 
 def copying_modifier(obj):
-    """The sentence for an object with a modifier whose faces have no places of their own in any UV map of the
-    mesh, so that no unwrap of the mesh can help; or ''. The modifiers are those of the render, or of the
-    viewport if the object is hidden in renders."""
+    """The name of a modifier whose faces have no places of their own in any UV map of the mesh, so that no
+    unwrap of the mesh can help; or ''. The modifiers are those of the render, or of the viewport if the object
+    is hidden in renders."""
     for modifier in obj.modifiers:
         shown = modifier.show_viewport if obj.hide_render else modifier.show_render
         if shown and _copies(obj, modifier):
-            what = "makes faces that have no place of their own in the UV map"
-            return f"{obj.name}: the modifier {modifier.name} {what}: apply it, and unwrap again"
+            return modifier.name
     return ""
 
 

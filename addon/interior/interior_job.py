@@ -132,11 +132,44 @@ def problem(obj, material):
     reason = native.part("dust").available()
     if reason:
         return reason
-    # Objects in no scene are left over: they stay in the file while something else uses them.
-    others = [one.name for one in bpy.data.objects if one != obj and _has(one, material) and one.users_scene]
-    if others:
-        return f"{material.name} is also on {others[0]}: its images fit one object, make it single-user"
+    other = sharing(obj, material)
+    if other:
+        return f"{material.name} is also on {other}: its images fit one object"
+    modifier = copying_modifier(obj, material)
+    if modifier:
+        what = "makes faces that have no place of their own in the UV map"
+        return f"{obj.name}: the modifier {modifier} {what}: apply it"
     return ""
+
+
+def sharing(obj, material):
+    """The name of another object with the material, or ''."""
+    # Objects in no scene are left over: they stay in the file while something else uses them.
+    others = (one.name for one in bpy.data.objects if one != obj and _has(one, material) and one.users_scene)
+    return next(others, "")
+
+
+def own_copy(obj, material):
+    """Give the object a copy of the material in place of the one that other objects have too. Its mesh may
+    stay shared. Returns the copy."""
+    copy = material.copy()
+    for slot in obj.material_slots:
+        if slot.material == material:
+            slot.link = "OBJECT"
+            slot.material = copy
+    return copy
+
+
+def copying_modifier(obj, material):
+    """The name of a modifier whose faces have no places in the map that Lamina unwraps, or ''."""
+    return "" if _own_map(obj, material.lamina.interior) else unwrap.copying_modifier(obj)
+
+
+def _own_map(obj, settings):
+    """True if the images lie over a UV map of the object's own."""
+    layer = uv_maps.find(obj.data, settings.uv_map)
+    is_made = layer is not None and layer.name == unwrap.NAME
+    return settings.map == "OWN" and len(obj.data.uv_layers) > 0 and not is_made
 
 
 def gather(context, obj, material, folder=None):
@@ -147,10 +180,7 @@ def gather(context, obj, material, folder=None):
     settings, scene = material.lamina.interior, context.scene
     layer = uv_maps.find(obj.data, settings.uv_map)
     named = layer.name if layer is not None else ""
-    own = settings.map == "OWN" and len(obj.data.uv_layers) > 0 and named != unwrap.NAME
-    if not own and (sentence := unwrap.copying_modifier(obj)):
-        raise RefusedError(sentence)
-    uv_map = settings.uv_map if own else unwrap.ensure(obj)
+    uv_map = settings.uv_map if _own_map(obj, settings) else unwrap.ensure(obj)
     is_lit = settings.output == "LIT"
     found = seen.of_object(context, obj, material, uv_map, is_lit, is_lit and settings.view == "CAMERA")
     shape = found.body

@@ -48,6 +48,7 @@ CLASSES = (
     lateral.LAMINA_OT_lateral_bounces,
     lateral.LAMINA_OT_trial,
     interior.LAMINA_OT_interior,
+    interior.LAMINA_OT_interior_copy,
     interior.LAMINA_OT_end_preset,
     dust.LAMINA_OT_dust_settle,
     dust.LAMINA_OT_dust_image,

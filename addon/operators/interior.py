@@ -26,6 +26,21 @@ class LAMINA_OT_interior(MakingOnObject, bpy.types.Operator):
         return material.lamina.interior.report
 
 
+class LAMINA_OT_interior_copy(bpy.types.Operator):
+    bl_idname = "lamina.interior_copy"
+    bl_label = "Own Copy of the Material"
+    bl_description = "Give the active object a copy of the material; objects that share a mesh go on sharing it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return common.can_edit(cls, context) and context.object is not None and context.object.is_editable
+
+    def execute(self, context):
+        interior_job.own_copy(context.object, common.material_of(context))
+        return {"FINISHED"}
+
+
 class LAMINA_OT_end_preset(bpy.types.Operator):
     bl_idname = "lamina.end_preset"
     bl_label = "Choose Material"

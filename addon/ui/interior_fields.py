@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import messages, native
-from ..interior import contents, freshness, interior_job
+from ..interior import body, contents, freshness, interior_job
 from ..kinds import interiors
 from ..nodes import node_group
 from . import trial_fields
@@ -62,6 +62,7 @@ def draw(context, layout):
         sentence = freshness.stale(context, obj, material)
     if sentence:
         draw_sentence(context, layout, sentence, "ERROR")
+        _draw_mend(layout, obj, material)
     elif coarse := contents.too_coarse(context, obj, settings):
         draw_sentence(context, layout, coarse)
     if settings.report and is_shown:
@@ -72,6 +73,17 @@ def draw(context, layout):
     if material.lamina.lateral_group is not None and not material.lamina.enabled:
         # Materials with layers have this in the menu beside their list.
         layout.operator("lamina.remove_stack", icon="X")
+
+
+def _draw_mend(layout, obj, material):
+    """A button that mends what the sentence above is about, if there is one."""
+    if body.problem(obj):
+        return
+    if interior_job.sharing(obj, material):
+        layout.operator("lamina.interior_copy", icon="DUPLICATE")
+    elif modifier := interior_job.copying_modifier(obj, material):
+        button = layout.operator("object.modifier_apply", text=f"Apply {modifier}", icon="CHECKMARK")
+        button.modifier, button.single_user = modifier, True
 
 
 def _draw_ends(layout, material, settings):

@@ -125,8 +125,8 @@ class Layout:
 
     def operator(self, name, text=None, icon="NONE", **_options):
         module, function = name.split(".")
-        cls = getattr(bpy.types, f"{module.upper()}_OT_{function}")
-        self.lines.append(cls.bl_label if text is None else text)
+        kind = getattr(getattr(bpy.ops, module), function).get_rna_type()  # fails without such an operator
+        self.lines.append(kind.name if text is None else text)
         return type("Properties", (), {})()
 
     def menu(self, name, text=None, **_options):

@@ -96,7 +96,7 @@ def missing_map(obj):
 
 @pytest.mark.parametrize(("change", "words"), [
     (sheared, r"Ball is sheared by its parent Stand: apply the scale"),
-    (shared, "Marble is also on Twin: its images fit one object, make it single-user"),
+    (shared, "Marble is also on Twin: its images fit one object"),
     (opened, r"Ball is open along \d+ edges"),
     (flipped, "Ball is inside out"),
     (emptied, "Ball has no faces"),

@@ -103,9 +103,7 @@ def test_modifiers_that_copy_faces(unwrap, ball, kind, numbers, copies):
     modifier = ball.modifiers.new("Own Name", kind)
     for name, value in numbers.items():
         setattr(modifier, name, value)
-    sentence = unwrap.copying_modifier(ball)
-    expected = "Ball: the modifier Own Name makes faces that have no place of their own in the UV map: apply it"
-    assert sentence.startswith(expected) if copies else sentence == ""
+    assert unwrap.copying_modifier(ball) == ("Own Name" if copies else "")
     bpy.context.view_layer.update()
     applied = bpy.data.meshes.new_from_object(ball.evaluated_get(bpy.context.evaluated_depsgraph_get()))
     if copies:
@@ -122,7 +120,7 @@ def test_a_lathe(unwrap, ball):
     profile.from_pydata([(0.0, 0.0, -1.0), (0.7, 0.0, 0.0), (0.0, 0.0, 1.0)], [(0, 1), (1, 2)], [])
     ball.data = profile
     ball.modifiers.new("Lathe", "SCREW")
-    assert "the modifier Lathe makes faces" in unwrap.copying_modifier(ball)
+    assert unwrap.copying_modifier(ball) == "Lathe"
     bpy.context.view_layer.update()
     applied = bpy.data.meshes.new_from_object(ball.evaluated_get(bpy.context.evaluated_depsgraph_get()))
     ball.modifiers.clear()
@@ -142,6 +140,6 @@ def test_an_object_that_is_hidden_in_renders(unwrap, ball):
     """It is read as the viewport shows it."""
     modifier = ball.modifiers.new("Mirror", "MIRROR")
     modifier.show_render, ball.hide_render = False, True
-    assert "Mirror" in unwrap.copying_modifier(ball)
+    assert unwrap.copying_modifier(ball) == "Mirror"
     modifier.show_viewport = False
     assert unwrap.copying_modifier(ball) == ""
