@@ -37,8 +37,8 @@ def ensure(obj):
 
 def copying_modifier(obj):
     """The name of a modifier whose faces have no places of their own in any UV map of the mesh, so that no
-    unwrap of the mesh can help; or ''. The modifiers are those of the render, or of the viewport if the object
-    is hidden in renders."""
+    unwrap of the mesh can help; or ''. The modifiers are those of the render, or of the viewport if the
+    object is hidden in renders."""
     for modifier in obj.modifiers:
         shown = modifier.show_viewport if obj.hide_render else modifier.show_render
         if shown and _copies(obj, modifier):

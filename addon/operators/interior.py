@@ -29,7 +29,7 @@ class LAMINA_OT_interior(MakingOnObject, bpy.types.Operator):
 class LAMINA_OT_interior_copy(bpy.types.Operator):
     bl_idname = "lamina.interior_copy"
     bl_label = "Own Copy of the Material"
-    bl_description = "Give the active object a copy of the material; objects that share a mesh go on sharing it"
+    bl_description = "Give the active object a copy of the material. Objects that share a mesh still share it"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
