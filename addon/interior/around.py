@@ -7,13 +7,12 @@ from dataclasses import replace
 import numpy as np
 from mathutils import Matrix
 
-from ..base import linking, mesh_arrays, rendered
+from ..base import linking, mesh_arrays, native, rendered
 from ..base.messages import RefusedError
 from ..nodes import links as node_links
 from ..nodes import other_materials, principled
 from . import lamps
 
-MOST_LINKINGS = 64
 MARKED = 1000  # objects that are looked at whenever a panel is drawn
 _COLORS = {
     "BSDF_DIFFUSE": "Color",
@@ -77,9 +76,10 @@ def _linked(owners, sources, obj):
     linkings = list(dict.fromkeys([linking.ALL, *shining[0], *shining[1]]))
     if len(linkings) == 1:
         return {}, sources
-    if len(linkings) > MOST_LINKINGS:
+    most = native.part("interior.lamps").MOST_LINKINGS
+    if len(linkings) > most:
         raise RefusedError(f"lamps and meshes have {len(linkings)} different light linkings: must be at most "
-                           f"{MOST_LINKINGS} for Lamps Stay")
+                           f"{most} for Lamps Stay")
 
     def mask(kind, name):
         return sum(1 << number for number, one in enumerate(linkings) if getattr(one, kind).holds(name))

@@ -20,7 +20,7 @@ from . import around, body, lamps, seen
 STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
 AGAIN = "compute again"
 
-_OWN = body.Frame(np.eye(3), np.zeros(3), 1.0, 1.0)  # for a lamp's own location, rotation and scale
+_OWN = body.Frame(np.eye(3), np.zeros(3), np.ones(3), 1.0)  # for a lamp's own location, rotation and scale
 
 
 def note(context, obj, material, node, uv_map, has_image):

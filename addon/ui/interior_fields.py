@@ -57,12 +57,11 @@ def draw(context, layout):
     row.scale_y = 1.4
     row.operator("lamina.interior", icon="LIGHT_HEMI")
     is_shown = node_group.shows_lateral(material)
-    sentence = interior_job.problem(obj, material)
-    if not sentence and is_shown:
-        sentence = freshness.stale(context, obj, material)
-    if sentence:
-        draw_sentence(context, layout, sentence, "ERROR")
+    if problem := interior_job.problem(obj, material):
+        draw_sentence(context, layout, problem, "ERROR")
         _draw_mend(layout, obj, material)
+    elif is_shown and (stale := freshness.stale(context, obj, material)):
+        draw_sentence(context, layout, stale, "ERROR")
     elif coarse := contents.too_coarse(context, obj, settings):
         draw_sentence(context, layout, coarse)
     if settings.report and is_shown:

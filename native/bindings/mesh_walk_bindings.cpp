@@ -322,9 +322,8 @@ void lamina::bind_mesh_walk(py::module_& module) {
       .def("stand_among", &BoundSolid::stand_among, py::arg("vertices"), py::arg("triangles"), py::arg("albedo"),
            py::arg("emission"), py::arg("go_on"), py::arg("links") = std::nullopt,
            "Put opaque things around the solid, with the albedo and the emitted radiance of each triangle. `links`: "
-           "(the "
-           "linkings whose light each triangle takes, as bits, those that light it, the linking of what it emits, the "
-           "linkings that light the solid); without them all light meets everything.")
+           "(the linkings whose light each triangle takes, as bits, those that light it, the linking of what it "
+           "emits, the linkings that light the solid); without them all light meets everything.")
       .def_property_readonly("bytes", [](const BoundSolid& self) { return self.solid->bytes(); });
   py::class_<BoundGrid>(module, "Grid", "Coefficients in voxels [x, y, z] of a box in mm.")
       .def_static("of_coefficients", &grid_of_coefficients, py::arg("voxels").noconvert(), py::arg("low"),

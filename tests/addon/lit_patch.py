@@ -14,6 +14,7 @@ SOURCES = {
 }
 PLACE = Vector((3.0, -4.0, 9.0))
 
+
 def lit_scene(name, **more):
     """The scene with one lamp that shines at the origin; a spot shines a little beside the origin. `more`: properties
     of the lamp."""
@@ -33,6 +34,7 @@ def lit_scene(name, **more):
             node.inputs["Strength"].default_value = 0.0
     bpy.context.view_layer.update()
     return scene
+
 
 def irradiance_in_cycles(float_render, scene, change=lambda: None):
     """At the origin, on a plane perpendicular to the light: pi times the radiance of a white diffuse patch. `change`:

@@ -70,6 +70,15 @@ def others():
     bpy.context.scene.cycles.diffuse_bounces = 12
 
 
+def link(source, kind, **states):
+    """Lists objects in the light linking ("receiver") or the shadow linking ("blocker") of an object."""
+    found = bpy.data.collections.new(kind)
+    for number, (name, state) in enumerate(states.items()):
+        found.objects.link(bpy.data.objects[name])
+        found.collection_objects[number].light_linking.link_state = state
+    setattr(bpy.data.objects[source].light_linking, f"{kind}_collection", found)
+
+
 def _tree(owner):
     from bl_ext.user_default.lamina.nodes import node_tree
 

@@ -41,20 +41,21 @@ class Solid:
 @dataclass(frozen=True, eq=False)
 class Closed:
     """A repaired mesh. `given`: (m,) int, the triangles of the Solid that its triangles were, -1 for those that fill
-    holes. `opaque`: (m,) bool. `holes`: their number."""
+    holes. `opaque`: (m,) bool. `holes`: the number of those that were filled; `filled`: their area, relative to that of
+    the other triangles."""
 
     mesh: Mesh
     given: np.ndarray
     opaque: np.ndarray
     holes: int
+    filled: float
 
     def notes(self) -> tuple[str, ...]:
         """A sentence about holes that were filled, if there were any."""
         if not self.holes:
             return ()
-        share = 100.0 * _filled_share(self.mesh.vertices, self.mesh.triangles, int((self.given < 0).sum()))
         holes = "a hole" if self.holes == 1 else f"{self.holes} holes"
-        return (f"the walks close {holes} of {self.mesh.name or 'the solid'}, {share:.2g} % of the area",)
+        return (f"the walks close {holes} of {self.mesh.name or 'the solid'}, {100.0 * self.filled:.2g} % of the area",)
 
 
 def closed(solid: Solid) -> Closed:
@@ -84,15 +85,16 @@ def _examined(solid: Solid) -> tuple[Closed, str]:
     if not size > 0.0:
         raise InteriorError(f"{name} is 0 mm large: must have an extent")
     vertices, triangles, kept = _welded(mesh.vertices, mesh.triangles, size)
-    open_edges, holes = _open_edges(triangles, len(vertices)), 0
+    open_edges, holes, share = _open_edges(triangles, len(vertices)), 0, 0.0
     if largest and len(open_edges) and _ends_balance(open_edges, len(vertices)):
         more, filled = _filled(vertices, triangles, open_edges)
-        if _filled_share(more, filled, len(open_edges)) <= largest:
-            holes = len(more) - len(vertices)
+        added = _filled_share(more, filled, len(open_edges))
+        if added <= largest:
+            holes, share = len(more) - len(vertices), added
             vertices, triangles = more, filled
             open_edges = _open_edges(triangles, len(vertices))
     given = np.pad(np.flatnonzero(kept), (0, len(triangles) - int(kept.sum())), constant_values=-1)
-    examined = Closed(Mesh(vertices, triangles, name=solid.name), given, opaque[given] & (given >= 0), holes)
+    examined = Closed(Mesh(vertices, triangles, name=solid.name), given, opaque[given] & (given >= 0), holes, share)
     if len(open_edges):
         return examined, _opening(vertices, triangles, open_edges, name)
     corners = vertices[triangles] - 0.5 * (used.max(axis=0) + used.min(axis=0))

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from tried_bodies import body, others
+from tried_bodies import body, link, others
 
 
 @pytest.fixture
@@ -63,15 +63,6 @@ def test_copies_and_curves_count(seen):
     bpy.context.scene.collection.objects.link(again)
     again.data.calc_loop_triangles()
     assert len(seen().triangles) == 4 + tube + len(again.data.loop_triangles)
-
-
-def link(name, kind, **states):
-    """The linking of an object: states of objects."""
-    found = bpy.data.collections.new(kind)
-    for number, (other, state) in enumerate(states.items()):
-        found.objects.link(bpy.data.objects[other])
-        found.collection_objects[number].light_linking.link_state = state
-    setattr(bpy.data.objects[name].light_linking, f"{kind}_collection", found)
 
 
 def test_what_a_mesh_that_shines_is_linked_to(addon, seen):

@@ -5,7 +5,7 @@ right for closed bodies, and shares no code with the walks."""
 import bpy
 import numpy as np
 import pytest
-from tried_bodies import blocks, body, others
+from tried_bodies import blocks, body, link, others
 
 from lamina import HenyeyGreenstein, Interface, Isotropic, Medium, Stack
 
@@ -54,15 +54,6 @@ def test_a_volume_among_others_has_no_error(addon, trial, shape, light):
     assert abs(among.rendered.mean() / alone.rendered.mean() - 1.0) > 0.04
 
 
-def linked(source, kind, **states):
-    """Lists objects in the light linking ("receiver") or the shadow linking ("blocker") of an object."""
-    found = bpy.data.collections.new(kind)
-    for number, (name, state) in enumerate(states.items()):
-        found.objects.link(bpy.data.objects[name])
-        found.collection_objects[number].light_linking.link_state = state
-    setattr(bpy.data.objects[source].light_linking, f"{kind}_collection", found)
-
-
 @pytest.mark.parametrize(("receivers", "blockers"), [
     ({}, {"Wall": "EXCLUDE"}), ({"Floor": "EXCLUDE"}, {}),
     ({"Torus": "INCLUDE"}, {"Torus": "INCLUDE", "Floor": "INCLUDE"})],
@@ -75,7 +66,7 @@ def test_a_volume_among_linked_others_has_no_error(addon, trial, receivers, bloc
     plain = trial.gather(bpy.context, obj, material)
     for kind, states in (("receiver", receivers), ("blocker", blockers)):
         if states:
-            linked("Sun", kind, **states)
+            link("Sun", kind, **states)
     before = len(bpy.data.collections), blocks()
     task = trial.gather(bpy.context, obj, material)
     assert (len(bpy.data.collections), blocks()) == before
@@ -107,7 +98,7 @@ def test_a_mesh_that_shines_through_others(addon, trial, receivers, blockers):
     plain = trial.gather(bpy.context, obj, material)
     for kind, states in (("receiver", receivers), ("blocker", blockers)):
         if states:
-            linked("Plate", kind, **states)
+            link("Plate", kind, **states)
     task = trial.gather(bpy.context, obj, material)
     found = trial.walk(task)
     assert abs(found.error) < 3.0 * found.stderr and found.stderr < 0.03

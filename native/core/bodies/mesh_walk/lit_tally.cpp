@@ -70,7 +70,7 @@ void LitTally::meets_occluder(const Occluders::Hit& hit, const Weights& arriving
     weights[c] *= static_cast<double>(hit.face.albedo[c]);
   }
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
-    if ((hit.lit >> lamps_[k].linking() & 1U) == 0) {
+    if (!Occluders::holds(hit.lit, lamps_[k].linking())) {
       continue;
     }
     const LampLight light = lamps_[k].light(hit.place, LampPoint(rng));

@@ -12,8 +12,6 @@ namespace {
 constexpr double kNearest = 1e-4;   // relative to the solid's size
 constexpr double kRounding = 4e-6;  // some tens of errors of single precision, relative to coordinates
 
-bool holds(Occluders::LinkingSet set, unsigned linking) { return (set >> linking & 1U) != 0; }
-
 bool shines(const Occluders::Face& face) {
   return std::any_of(face.emission.begin(), face.emission.end(), [](float value) { return value > 0.0F; });
 }

@@ -23,6 +23,7 @@ class Occluders {
   /// The linkings of light, by number: bit l of a set is linking l.
   using LinkingSet = std::uint64_t;
   static constexpr LinkingSet kAll = ~LinkingSet{0};
+  static bool holds(LinkingSet set, unsigned linking) { return (set >> linking & 1U) != 0; }
 
   /// The albedo of a face, and the radiance that it emits.
   struct Face {
