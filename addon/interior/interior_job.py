@@ -35,7 +35,7 @@ FILLING = 0.1  # share of the progress: the voxels
 MARGIN = 4  # texels
 STOPPED = "Stopped early: the next start continues."
 CHANGES = (
-    "without an interface, light changes much with the view: All shows its mean, Camera that from one place"
+    "without an interface, All shows roughly how light changes with the view: Camera is exact from its place"
 )
 
 
@@ -59,6 +59,7 @@ class Task:
     sources: list
     occluders: object
     view: dict
+    scale: np.ndarray
     node: tuple
     note: str
     millimetre: float
@@ -212,6 +213,7 @@ def gather(context, obj, material, folder=None):
         sources=sources,
         occluders=found.occluders,
         view=found.view,
+        scale=shape.frame.scale,
         node=node,
         note=freshness.note(context, obj, material, node, uv_map, has_image),
         millimetre=0.001 / scene.unit_settings.scale_length,
@@ -265,7 +267,7 @@ def apply(material, task, found, again=False):
 
         def draw(graph, _length, sockets):
             return interior_graph.draw_lit(
-                graph, found, task.sources, task.surface, task.uv_map, task.name, sockets
+                graph, found, task.sources, task.surface, task.uv_map, task.name, task.scale, sockets
             )
     else:
         inputs = ()

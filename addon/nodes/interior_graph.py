@@ -26,23 +26,48 @@ def lit_inputs(sources):
     return found
 
 
-def draw_lit(graph, images, sources, surface, uv_map, name, sockets):
+def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
     """Add the nodes and return (the shader's socket, None): there is no volume.
 
     `images`: lamina.LitImages for the sources in sequence, lamps first, the world last; `sockets`: inputs of
-    the group by name; `name`: of the material. The surface emits the sum, and no closure but the boundary's
-    mirror receives light, so that nothing is lit twice."""
+    the group by name; `name`: of the material; `scale`: (3,), of the object. The surface emits the sum, and
+    no closure but the boundary's mirror receives light, so that nothing is lit twice."""
     textures, total = _Images(graph, uv_map, name), None
-    for row, (one, image) in enumerate(zip(sources, [*images.lamps, images.sky], strict=True)):
-        texels = textures.socket(one.name, one.factor * image, 2 * row)
-        coloured = graph.vector("MULTIPLY", 0, 2 * row, one.name, texels, sockets[_colour(one)])
-        light = graph.scale(1, 2 * row, one.name, coloured, sockets[_strength(one)])
-        total = light if total is None else graph.vector("ADD", 2, 2 * row, "all light", total, light)
-    emission = graph.node("ShaderNodeEmission", 4, 0, "light from inside")
+    view = None if images.sky_change is None else _view(graph)
+    changes = [None] * len(sources) if view is None else [*images.lamp_changes, images.sky_change]
+    every = zip(sources, [*images.lamps, images.sky], changes, strict=True)
+    for row, (one, image, change) in enumerate(every):
+        texels = textures.socket(one.name, one.factor * image, 3 * row)
+        if change is not None:
+            by_view = textures.node(f"{one.name} by view", one.factor * change * [*scale, 1.0], 3 * row + 1)
+            texels = _towards(graph, texels, by_view, view, one.name, 3 * row)
+        coloured = graph.vector("MULTIPLY", 2, 3 * row, one.name, texels, sockets[_colour(one)])
+        light = graph.scale(3, 3 * row, one.name, coloured, sockets[_strength(one)])
+        total = light if total is None else graph.vector("ADD", 4, 3 * row, "all light", total, light)
+    emission = graph.node("ShaderNodeEmission", 5, 0, "light from inside")
     graph.link(total, emission.inputs["Color"])
     if surface.ior == 1.0:
         return emission.outputs[0], None
     return boundary_graph.beside(graph, surface.ior, surface.alpha, emission.outputs[0]), None
+
+
+def _view(graph):
+    """The socket of the direction to the eye, in the object's own space, which has the object's scale."""
+    geometry = graph.node("ShaderNodeNewGeometry", -3, 5, "view")
+    turned = graph.node("ShaderNodeVectorTransform", -2, 5, "view in the object's space")
+    turned.vector_type, turned.convert_from, turned.convert_to = "VECTOR", "WORLD", "OBJECT"
+    graph.link(geometry.outputs["Incoming"], turned.inputs["Vector"])
+    return turned.outputs["Vector"]
+
+
+def _towards(graph, light, change, view, name, row):
+    """The socket of light whose mean over channels is max(0, b . view + c). `change`: the node of (b, c)."""
+    along = graph.vector("DOT_PRODUCT", -1, row + 1, f"{name} b . view", change.outputs["Color"], view)
+    wanted = graph.math("ADD", -0.5, row + 1, f"{name} b . view + c", along, change.outputs["Alpha"])
+    wanted = graph.math("MAXIMUM", 0, row + 1, f"{name} towards the eye", wanted, 0.0)
+    mean = graph.vector("DOT_PRODUCT", -1, row, f"{name} mean", light, (1.0 / 3.0,) * 3)
+    share = graph.math("DIVIDE", 0.5, row + 1, f"{name} / mean", wanted, mean)  # 0 where the mean is 0
+    return graph.scale(1, row, f"{name} towards the eye", light, share)
 
 
 def _strength(source):
@@ -65,8 +90,12 @@ class _Images:
         """Add an image of (height, width, 3), bottom row first; the socket of its colour."""
         texels = np.ones((*pixels.shape[:2], 4), np.float32)
         texels[..., :3] = pixels
+        return self.node(what, texels, row).outputs["Color"]
+
+    def node(self, what, texels, row):
+        """Add an image of (height, width, 4), bottom row first; its node."""
         node = self._graph.node("ShaderNodeTexImage", -2, row, what)
         node.image = data_image.create(f"Lamina {self._name} {what}", texels)
         node.interpolation, node.extension = "Linear", "EXTEND"
         self._graph.link(self._map.outputs["UV"], node.inputs["Vector"])
-        return node.outputs["Color"]
+        return node

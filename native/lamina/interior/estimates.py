@@ -13,6 +13,7 @@ from ..walks.searchlight_moments import Measured
 from .lamps import AnyLamp
 
 COUNTS = ("mirrored", "lost", "scatterings", "collisions", "rays")
+ORDERS = 6  # numbers by which the core describes light: three channels, and the slope's three components
 # Index of the product v_i v_j, i <= j, for v = (w, w r, w r^2).
 _PRODUCT = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
 
@@ -54,10 +55,16 @@ class ExitEstimate(ByContent):
 class LightEstimate(ByContent):
     """The radiance that leaves a solid at each of n points after transport inside. `lamps`: for each lamp of unit
     strength, shape (n, lamps, 3). `sky`: for the surroundings, by default of radiance 1, shape (n, 3). Both have
-    `value` and `stderr`. The boundary's reflection at the point is not included."""
+    `value` and `stderr`. The boundary's reflection at the point is not included.
+
+    `lamp_slopes`, (n, lamps, 3), and `sky_slope`, (n, 3): how the mean over channels changes with the direction w to
+    the eye: the vector b of the function a + b . w that is nearest in the cosine-weighted square. 0 for given
+    directions."""
 
     lamps: Measured
     sky: Measured
+    lamp_slopes: Measured
+    sky_slope: Measured
     lamps_used: tuple[AnyLamp, ...]
     count: WalkCount
 
@@ -70,30 +77,38 @@ def exit_estimate(moments, products, counts, samples: int, seconds: float) -> Ex
 
 
 def light_estimate(sums, squares, counts, samples: int, lamps: tuple[AnyLamp, ...], seconds: float) -> LightEstimate:
-    """The estimate from sums and sums of squares [point, source, channel]. Sources: the lamps, then the sky."""
-    found = _mean(sums, squares, samples)
-    return LightEstimate(Measured(found.value[:, :-1], found.stderr[:, :-1]),
-                         Measured(found.value[:, -1], found.stderr[:, -1]), lamps, walk_count(counts, samples, seconds))
+    """The estimate from sums and sums of squares [point, source, (channels, slope)]. Sources: the lamps, then the
+    sky."""
+    light, slopes = _split(_mean(sums, squares, samples))
+
+    def of(found: Measured, sources: slice | int) -> Measured:
+        return Measured(found.value[:, sources], found.stderr[:, sources])
+
+    every = slice(0, -1)
+    return LightEstimate(of(light, every), of(light, -1), of(slopes, every), of(slopes, -1), lamps,
+                         walk_count(counts, samples, seconds))
 
 
 def with_photons(sky: LightEstimate, arrays, photons: int, lamps: tuple[AnyLamp, ...]) -> LightEstimate:
     """The estimate by walks without lamps, or with the part of the light of lamps that photons do not bring, and the
-    light of lamps from so many photons each. `arrays`: sums and squares [point, lamp, channel], counts [lamp, 5]."""
+    light of lamps from so many photons each. `arrays`: sums and squares [point, lamp, (channels, slope)], counts
+    [lamp, 5]."""
     sums, squares, counts = arrays
     sent = walk_count(counts, photons, math.nan)
     walked = sky.count
     count = WalkCount(walked.seconds, walked.samples, max(walked.lost, sent.lost),
                       walked.scatterings + sent.scatterings, walked.collisions + sent.collisions,
                       walked.rays + sent.rays, photons)
-    brought = _mean(sums, squares, photons)
+    light, slopes = _split(_mean(sums, squares, photons))
     if sky.lamps_used:
-        brought = Measured(brought.value + sky.lamps.value, np.hypot(brought.stderr, sky.lamps.stderr))
-    return LightEstimate(brought, sky.sky, lamps, count)
+        light, slopes = _sum(light, sky.lamps), _sum(slopes, sky.lamp_slopes)
+    return replace(sky, lamps=light, lamp_slopes=slopes, lamps_used=lamps, count=count)
 
 
 def without_lamps(light: LightEstimate) -> LightEstimate:
     """The light of the surroundings alone."""
-    return replace(light, lamps=Measured(light.lamps.value[:, :0], light.lamps.stderr[:, :0]), lamps_used=())
+    none = Measured(light.lamps.value[:, :0], light.lamps.stderr[:, :0])
+    return replace(light, lamps=none, lamp_slopes=none, lamps_used=())
 
 
 def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:
@@ -105,6 +120,16 @@ def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:
 def _mean(sums, squares, samples: int) -> Measured:
     mean = sums / samples
     return Measured(mean, np.sqrt(np.maximum(squares / samples - mean * mean, 0.0) / max(1, samples - 1)))
+
+
+def _split(found: Measured) -> tuple[Measured, Measured]:
+    """(light by channel, slope)."""
+    return (Measured(found.value[..., :3], found.stderr[..., :3]),
+            Measured(found.value[..., 3:], found.stderr[..., 3:]))
+
+
+def _sum(one: Measured, other: Measured) -> Measured:
+    return Measured(one.value + other.value, np.hypot(one.stderr, other.stderr))
 
 
 def _ratio(moments, products, power: int, samples: int) -> Measured:

@@ -21,6 +21,7 @@ from ..interior.solid import Solid
 from ..walks.searchlight_moments import Measured
 from .map_walk import MapWalk, Target, map_of
 from .noise import noise_of, preview_report
+from .places import Places
 from .smoothing import smoothed
 
 
@@ -31,6 +32,10 @@ class LitImages:
     their rows from the bottom, as in Blender. The picture under lamps of other strengths is the sum of these arrays,
     each times its strength and colour. The boundary's reflection is not included.
 
+    `lamp_changes`, `sky_change`: how radiance changes with the view, in arrays of the same shapes but for a last axis
+    of 4, (b, c). In the direction w, a unit vector to the eye, the mean over channels is max(0, b . w + c), and the
+    colour is that of the image. Both are None if directions are given.
+
     `mask`: the texels, or the vertices, with a value of their own; those of the margin have copies. `estimate`: values
     and standard errors at the points of the mask, in sequence. `noise`: standard error relative to the mean, of the
     worst lamp or the sky. `notes`: parts of the surface without texels. `done`: share of the samples, below 1 in a
@@ -38,6 +43,8 @@ class LitImages:
 
     lamps: np.ndarray
     sky: np.ndarray
+    lamp_changes: np.ndarray | None
+    sky_change: np.ndarray | None
     mask: np.ndarray
     estimate: LightEstimate
     noise: float
@@ -68,10 +75,11 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
 
     `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,). Points that face away are not in the mask;
     within the margin they have copies, beyond it they are black. By default the light is the cosine-weighted mean over
-    directions. In an image of that mean the light of lamps is by photons, as a mean over the texel's surface: each lamp
-    sends `samples` photons per point, or as many as `noise` asks for. The images have less noise than the estimates,
-    see lamina.maps.smoothing. Other arguments and errors are those of relightable_images; `noise` is that of the
-    estimates and concerns the worst lamp or the sky. Lamps are those of light_in_mesh."""
+    directions, with a linear change by direction. In an image of that mean the light of lamps is by photons, as a mean
+    over the texel's surface: each lamp sends `samples` photons per point, or as many as `noise` asks for. The images
+    have less noise than the estimates, see lamina.maps.smoothing. Other arguments and errors are those of
+    relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are those of
+    light_in_mesh."""
     problem = Problem(solid, interior, surface, Lights(lamps, surroundings, occluders))
     target = Target(uvs, size, normals, margin, folder, view, eye)
     run = Run(samples, noise, seed, threads, progress, cancel, spread)
@@ -80,12 +88,37 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
 
 def _images(walked: MapWalk, margin: int) -> LitImages:
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
-    # One pass for all sources, because the regression's matrices are the same
-    every = Measured(np.concatenate([found.lamps.value, found.sky.value[:, None]], axis=1),
-                     np.concatenate([found.lamps.stderr, found.sky.stderr[:, None]], axis=1))
-    interior = walked.walker.problem.interior
-    light = np.maximum(smoothed(walked.places, interior, every) if walked.done else every.value, 0.0)
-    *images, sky = (walked.places.filled(light[:, k], margin) for k in range(light.shape[1]))
-    stacked = np.stack(images) if images else np.zeros((0, *sky.shape), np.float32)
-    return LitImages(stacked, sky, walked.places.mask, found, noise_of(found), time.perf_counter() - walked.began,
-                     walked.places.notes, walked.done)
+    places, problem = walked.places, walked.walker.problem
+    every = [found.lamps, found.sky]
+    if problem.points.views is None:
+        every += [found.lamp_slopes, found.sky_slope]
+    # One pass for all, because the regression's matrices are the same
+    joined = _joined(every)
+    values = smoothed(places, problem.interior, joined) if walked.done else joined.value
+    sources = found.lamps.value.shape[1] + 1
+    light = np.maximum(values[:, :sources], 0.0)
+    lamps, sky = _filled(places, light, margin)
+    changes: tuple[np.ndarray | None, np.ndarray | None] = None, None
+    if problem.points.views is None:
+        changes = _filled(places, _changes(light, values[:, sources:], problem.points.normals), margin)
+    return LitImages(lamps, sky, *changes, places.mask, found, noise_of(found), time.perf_counter() - walked.began,
+                     places.notes, walked.done)
+
+
+def _joined(every: list[Measured]) -> Measured:
+    """(points, sources, 3) of values with one or several sources."""
+    def join(arrays: list[np.ndarray]) -> np.ndarray:
+        return np.concatenate([array.reshape(len(array), -1, 3) for array in arrays], axis=1)
+    return Measured(join([one.value for one in every]), join([one.stderr for one in every]))
+
+
+def _filled(places: Places, values: np.ndarray, margin: int) -> tuple[np.ndarray, np.ndarray]:
+    """(images of the lamps, image of the sky) of values (points, sources, n)."""
+    *lamps, sky = (places.filled(values[:, k], margin) for k in range(values.shape[1]))
+    return np.stack(lamps) if lamps else np.zeros((0, *sky.shape), np.float32), sky
+
+
+def _changes(light: np.ndarray, slopes: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(b, c) of LitImages: the light is its mean plus slope . (w - 2/3 n), where 2/3 n is the mean of w."""
+    constant = light.mean(axis=-1) - 2.0 / 3.0 * np.einsum("pki,pi->pk", slopes, normals)
+    return np.concatenate([slopes, constant[..., None]], axis=-1)

@@ -2,6 +2,7 @@
 """The interior of an object: its images, their nodes and interruptions."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import bmesh
@@ -92,7 +93,7 @@ def test_lit(jobs, ball, lamina):
     found = make(jobs, ball)
     group = ball.active_material.lamina.lateral_group
     shown = images(group)
-    assert set(shown) == {"Back", "Key", "World"}
+    assert set(shown) == {"Back", "Back by view", "Key", "Key by view", "World", "World by view"}
     np.testing.assert_array_equal(shown["Back"][..., :3], found.lamps[0])
     np.testing.assert_array_equal(shown["World"][..., :3], found.sky)
     node = surface_source(ball.active_material)
@@ -127,8 +128,39 @@ def test_camera(jobs, ball, lamina):
     up = np.array(ball.matrix_world.to_3x3().normalized().inverted().col[2])
     assert np.array(task.view["eye"]) == pytest.approx(2000.0 * up, rel=1e-4)
     settings.view = "ALL"
+    assert set(images(ball.active_material.lamina.lateral_group)) == {"World"}
     everywhere = make(jobs, ball)
     assert 0.3 < found.mask.sum() / everywhere.mask.sum() < 0.7 and (found.estimate.sky.value > 0.0).all()
+
+
+def test_light_follows_the_view(jobs, ball):
+    """A render of a turned and stretched object against the formula of lamina.LitImages, with one value everywhere."""
+    from bl_ext.user_default.lamina.interior import seen, trial_render
+
+    sun("Key", (0.5, 0.2, 0.0), 2.0)
+    ball.scale = (0.03, 0.01, 0.02)
+    bpy.context.view_layer.update()
+    material = ball.active_material
+    material.lamina.interior.output, material.lamina.interior.ior = "LIT", 1.0
+    task = jobs.gather(bpy.context, ball, material)
+    found = jobs.compute(task)
+    body = seen.of_object(bpy.context, ball, material).body
+    camera = trial_render.camera_of(bpy.context.scene, body)
+    places = trial_render.places(body, None, camera)
+    assert len(places.pixels) > 500
+    # Radiance falls to 0 across the narrow picture.
+    across = np.cross(places.directions.mean(axis=0), [0.3, 0.4, 0.5])
+    color, slope, constant = np.array([0.2, 0.4, 0.9]), 4.0 * across / np.linalg.norm(across), 0.1
+    lamps, changes = np.empty_like(found.lamps), np.empty_like(found.lamp_changes)
+    lamps[:], changes[:] = color, [*slope, constant]
+    jobs.apply(material, task, replace(found, lamps=lamps, lamp_changes=changes))
+    picture = trial_render.pictures(bpy.context, ball, camera, {}, {})[0][places.pixels]
+    wanted = np.maximum(0.0, places.directions @ slope + constant)
+    assert 0.1 < (wanted == 0.0).mean() < 0.9
+    lamp = task.sources[0]
+    light = lamp.factor * lamp.strength * np.array(lamp.colour) * color / color.mean()
+    inside = np.einsum("ij,ij->i", places.directions, places.normals) > 0.3  # pixels of the silhouette see past it
+    np.testing.assert_allclose(picture[inside], (wanted[:, None] * light)[inside], rtol=1e-4, atol=1e-3)
 
 
 @pytest.mark.parametrize("stretch", [1.0, 3.0])

@@ -86,8 +86,8 @@ def radiance(walker, samples, seed):
     (CUP, PLAIN, Surface(), 60, AROUND), (STAIRS, PLAIN, Surface(1.4, 0.3), 60, LINKED)],
     ids=["smooth", "rough", "veined", "cup", "veined rough cup", "rough among others", "cup among others", "linked"])
 def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
-    """The mean over the faces of each side: photons by texels, walks from random places. Light that meets an occluder
-    first is left to walks in both."""
+    """The mean over the faces of each side, of light and of its slope: photons by texels, walks from random places.
+    Light that meets an occluder first is left to walks in both."""
     solid, uvs, across = of_voxels(filled)
     size = PER_SIDE * across
     lamps = LINKED_LAMPS if occluders is LINKED else LAMPS
@@ -107,7 +107,8 @@ def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
 
     def by_walks(lights, seed):
         found = estimated(Problem(solid, interior, surface, lights, points), Run(samples, seed=seed))
-        return found.lamps.value.reshape(len(squares), places, len(LAMPS), 3)
+        light = np.concatenate([found.lamps.value, found.lamp_slopes.value], axis=-1)
+        return light.reshape(len(squares), places, len(LAMPS), 6)
 
     found = by_walks(Lights(lamps, None, occluders), 3)
     if occluders is not None:
@@ -124,7 +125,9 @@ def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
     walks = of_sides(found.mean(axis=1), slice(None))
     z = (photons - walks) / np.sqrt(variance + of_sides(walk_errors**2, slice(None)))
     assert np.abs(z).max() < z_limit(z.size), z
-    assert (np.sqrt(variance) < 0.2 * photons).all()
+    light = photons[..., :3]
+    assert (np.sqrt(variance[..., :3]) < 0.2 * light).all()
+    assert (np.abs(photons[..., 3:]) > 0.2 * light.mean(axis=-1, keepdims=True)).mean() > 0.2  # light changes by view
 
 
 def test_photons_pass_what_does_not_take_their_linking():
@@ -147,7 +150,7 @@ def test_a_white_body_returns_the_light_that_enters(surface, entering):
     walker = walker_of(solid, uvs, (3 * across, 3 * across), white, surface, [Lamp([0.0, 0.0, 1.0], 0.02)])
     sums, squares, _ = walker.photons(Samples(40, 5), silent)
     sent = 40 * len(sums)
-    flux = np.pi * (sums[:, 0] * walker.texel_areas[:, None]).sum(axis=0) / sent
+    flux = np.pi * (sums[:, 0, :3] * walker.texel_areas[:, None]).sum(axis=0) / sent
     np.testing.assert_allclose(flux, 2.0 * entering, rtol=4.0 / np.sqrt(sent))
 
 
@@ -159,7 +162,7 @@ def test_a_lamp_close_to_a_large_face_makes_no_more_noise():
     for height in (2.0, 0.1):
         lamp = PointLamp([0.5, 0.5, 1.0 + height], 0.01)
         value, stderr = radiance(walker_of(solid, uvs, 8 * across, PLAIN, Surface(1.4, 0.3), [lamp]), 40, 1)
-        noises.append(np.sqrt((stderr**2).mean()) / value.mean())
+        noises.append(np.sqrt((stderr[..., :3] ** 2).mean()) / value[..., :3].mean())
     assert noises[1] < 1.3 * noises[0]
 
 

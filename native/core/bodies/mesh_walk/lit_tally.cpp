@@ -8,18 +8,15 @@ namespace lamina {
 
 void LitSums::add(const LitSums& other) {
   for (std::size_t k = 0; k < sums.size(); ++k) {
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      sums[k][c] += other.sums[k][c];
-      squares[k][c] += other.squares[k][c];
+    for (std::size_t i = 0; i < sums[k].size(); ++i) {
+      sums[k][i] += other.sums[k][i];
+      squares[k][i] += other.squares[k][i];
     }
   }
 }
 
 void LitTally::escapes(const Ray& direction, const Weights& weights) {
-  const Weights radiance = surroundings_.along(direction);
-  for (std::size_t c = 0; c < kChannels; ++c) {
-    found_.back()[c] += weights[c] * radiance[c];
-  }
+  meets_emission(surroundings_.along(direction), weights);
 }
 
 void LitTally::scatters(const Scattering& scattering, Rng& rng) {
@@ -59,9 +56,11 @@ void LitTally::scatters(const Scattering& scattering, Rng& rng) {
 }
 
 void LitTally::meets_emission(const Weights& radiance, const Weights& weights) {
+  Weights light = weights;
   for (std::size_t c = 0; c < kChannels; ++c) {
-    found_.back()[c] += weights[c] * radiance[c];
+    light[c] *= radiance[c];
   }
+  add(lamps_.size(), light, 1.0);
 }
 
 void LitTally::meets_occluder(const Occluders::Hit& hit, const Weights& arriving, Rng& rng) {
@@ -109,19 +108,17 @@ void LitTally::meets_boundary(const Meeting& meeting, Rng& rng) {
 
 void LitTally::finish() {
   for (std::size_t k = 0; k < found_.size(); ++k) {
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      const double light = found_[k][c] / kChannels;
-      sums_.sums[k][c] += light;
-      sums_.squares[k][c] += light * light;
+    for (std::size_t i = 0; i < found_[k].size(); ++i) {
+      const double light = found_[k][i] / kChannels;
+      sums_.sums[k][i] += light;
+      sums_.squares[k][i] += light * light;
     }
     found_[k].fill(0.0);
   }
 }
 
-void LitTally::add(std::size_t lamp, const Weights& weights, double factor) {
-  for (std::size_t c = 0; c < kChannels; ++c) {
-    found_[lamp][c] += weights[c] * factor;
-  }
+void LitTally::add(std::size_t source, const Weights& weights, double factor) {
+  lamina::add(found_[source], weights, factor, slope_);
 }
 
 double LitTally::entering(const Lamp& lamp, const LampPoint& point, const Place& place, const Ray& direction,

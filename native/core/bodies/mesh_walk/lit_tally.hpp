@@ -5,16 +5,17 @@
 #include <vector>
 
 #include "mesh_walk/aimed_light.hpp"
+#include "mesh_walk/first_order.hpp"
 #include "mesh_walk/lamp.hpp"
 #include "mesh_walk/mesh_walk.hpp"
 
 namespace lamina {
 
-/// Sums over samples of the radiance that leaves at the start, and of the squared radiance: one entry per lamp, and a
-/// last entry for the surroundings. A sample's radiance is the mean over its paths.
+/// Sums over samples of the radiance that leaves at the start, and of its squares: one entry per lamp, and a last entry
+/// for the surroundings. A sample's radiance is the mean over its paths. In a given direction the slope is 0.
 struct LitSums {
-  std::vector<Weights> sums;
-  std::vector<Weights> squares;
+  std::vector<FirstOrder> sums;
+  std::vector<FirstOrder> squares;
 
   explicit LitSums(std::size_t lamps) : sums(lamps + 1), squares(lamps + 1) {}
   void add(const LitSums& other);
@@ -48,7 +49,10 @@ class LitTally final : public WalkListener {
   void meets_occluder(const Occluders::Hit& hit, const Weights& weights, Rng& rng) override;
   void meets_boundary(const Meeting& meeting, Rng& rng) override;
 
-  void starts() override { last_.reset(); }
+  void starts(const Ray& view, const Ray& normal, bool given) override {
+    last_.reset();
+    slope_ = given ? Ray{0.0, 0.0, 0.0} : slope_towards(view, normal);
+  }
   /// Ends a sample.
   void finish();
 
@@ -59,7 +63,7 @@ class LitTally final : public WalkListener {
     std::optional<AimedLight> light;
   };
 
-  void add(std::size_t lamp, const Weights& weights, double factor);
+  void add(std::size_t source, const Weights& weights, double factor);
   /// The radiance along -`direction`, inside, that enters from a lamp at this place of the surface.
   double entering(const Lamp& lamp, const LampPoint& point, const Place& place, const Ray& direction,
                   const Ray& normal);
@@ -71,7 +75,8 @@ class LitTally final : public WalkListener {
   const Surroundings& surroundings_;
   LitSums& sums_;
   WalkCounts& counts_;
-  std::vector<Weights> found_;  ///< light collected by the current sample
+  std::vector<FirstOrder> found_;  ///< light collected by the current sample
+  Ray slope_;                      ///< of the current path's direction to the eye
   std::vector<Aim> aims_;
   std::optional<Scattering> last_;  ///< the last event of the path, if it is a scattering
 };

@@ -63,7 +63,6 @@ class MeshWalk::Path {
         counts_(counts) {}
 
   void run(const Start& start) {
-    listener_.starts();
     if (!enter(start)) {
       return;
     }
@@ -72,7 +71,6 @@ class MeshWalk::Path {
   }
 
   void run(const Photon& photon) {
-    listener_.starts();
     place_ = photon.place;
     normal_ = photon.normal;
     face_ = photon.face;
@@ -107,6 +105,7 @@ class MeshWalk::Path {
     if (in.dot(normal) >= 0.0) {  // seen from behind
       return false;
     }
+    listener_.starts(-in, normal, start.view.has_value());
     double weight = 1.0;
     if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
       const auto outcome = boundary_.meet(in, normal, rng_);

@@ -52,8 +52,9 @@ class WalkListener {
   WalkListener& operator=(const WalkListener&) = delete;
   virtual ~WalkListener() = default;
 
-  /// A path starts.
-  virtual void starts() {}
+  /// A path starts at a point of the surface, backwards from an eye in the direction `view`. `given`: the direction is
+  /// not drawn at random.
+  virtual void starts(const Ray& /*view*/, const Ray& /*normal*/, bool /*given*/) {}
   /// Light leaves the solid. Returns true to follow the light outside until it meets the solid again.
   virtual bool leaves(const Meeting& exit) = 0;
   /// Light that was followed outside does not meet the solid again.

@@ -19,9 +19,9 @@ void merge(std::vector<Deposit>& found) {
       continue;
     }
     Deposit& sum = found[merged - 1];
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      sum.light[c] += one.light[c];
-      sum.square[c] += one.square[c];
+    for (std::size_t i = 0; i < sum.light.size(); ++i) {
+      sum.light[i] += one.light[i];
+      sum.square[i] += one.square[i];
     }
   }
   found.resize(merged);
@@ -36,10 +36,8 @@ bool PhotonTally::leaves(const Meeting& exit) {
   }
   if (const std::int32_t point = texels_.at(exit.face, exit.place); point != SurfaceTexels::kNone) {
     const double per_radiance = kChannels * std::numbers::pi * texels_.areas()[static_cast<std::size_t>(point)];
-    Deposit deposit{point, exit.weights, {}};
-    for (double& light : deposit.light) {
-      light /= per_radiance;
-    }
+    Deposit deposit{point, {}, {}};
+    add(deposit.light, exit.weights, 1.0 / per_radiance, slope_towards(exit.direction, texels_.normal(point)));
     sample_.push_back(deposit);
   }
   return true;
@@ -48,8 +46,8 @@ bool PhotonTally::leaves(const Meeting& exit) {
 void PhotonTally::finish() {
   merge(sample_);
   for (Deposit& one : sample_) {
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      one.square[c] = one.light[c] * one.light[c];
+    for (std::size_t i = 0; i < one.light.size(); ++i) {
+      one.square[i] = one.light[i] * one.light[i];
     }
   }
   samples_.insert(samples_.end(), sample_.begin(), sample_.end());

@@ -39,13 +39,13 @@ PhotonSums photons_to_texels(const MeshWalk& walk, const PhotonSource& source, c
     pieces[task] = std::move(piece);
   });
   const std::size_t points = texels.areas().size();
-  PhotonSums found{std::vector<Weights>(points), std::vector<Weights>(points), {}};
+  PhotonSums found{std::vector<FirstOrder>(points), std::vector<FirstOrder>(points), {}};
   for (const Piece& piece : pieces) {
     for (const Deposit& one : piece.deposits) {
       const auto point = static_cast<std::size_t>(one.point);
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        found.sums[point][c] += source.flux() * one.light[c];
-        found.squares[point][c] += source.flux() * source.flux() * one.square[c];
+      for (std::size_t i = 0; i < one.light.size(); ++i) {
+        found.sums[point][i] += source.flux() * one.light[i];
+        found.squares[point][i] += source.flux() * source.flux() * one.square[i];
       }
     }
     found.counts.add(piece.counts);

@@ -3,6 +3,7 @@
 #pragma once
 #include <vector>
 
+#include "mesh_walk/first_order.hpp"
 #include "mesh_walk/photon_source.hpp"
 #include "mesh_walk/surface_texels.hpp"
 #include "numeric/thread_pool.hpp"
@@ -17,15 +18,15 @@ struct PhotonSamples {
   std::uint64_t seed = 0;
 };
 
-/// Sums over samples of the radiance at each point, and of the squared radiance.
+/// Sums over samples of the radiance at each point, and of its squares.
 struct PhotonSums {
-  std::vector<Weights> sums;
-  std::vector<Weights> squares;
+  std::vector<FirstOrder> sums;
+  std::vector<FirstOrder> squares;
   WalkCounts counts;
 };
 
-/// Estimates the mean radiance, over directions and the surface of each point, of the light of a lamp that leaves there
-/// after transport inside. Results are identical bytes for any number of threads.
+/// Estimates the radiance, as a mean over the surface of each point, of the light of a lamp that leaves there after
+/// transport inside. Results are identical bytes for any number of threads.
 PhotonSums photons_to_texels(const MeshWalk& walk, const PhotonSource& source, const SurfaceTexels& texels,
                              const PhotonSamples& samples, ThreadPool& pool);
 
