@@ -17,12 +17,21 @@ def beside(graph, ior, alpha, shader):
     return mix_shader.added(graph, 7, 0, "with mirrored light", shader, mirrored)
 
 
+def passed(graph, ior):
+    """The share of light that a smooth boundary lets out towards the eye."""
+    return graph.math("SUBTRACT", 5, -3, "boundary", 1.0, _reflectance(graph, ior))
+
+
 def _mirror(graph, ior, alpha):
     """(the share of light that is mirrored by Fresnel's equations, the shader that mirrors)."""
-    fresnel = graph.node("ShaderNodeFresnel", 5, -4, "boundary")
-    fresnel.inputs["IOR"].default_value = ior
     glossy = graph.node("ShaderNodeBsdfAnisotropic", 5, -2, "boundary")
     glossy.distribution = "GGX"
     glossy.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     glossy.inputs["Roughness"].default_value = alpha**0.5  # Blender's roughness is the root of alpha
-    return fresnel.outputs[0], glossy.outputs[0]
+    return _reflectance(graph, ior), glossy.outputs[0]
+
+
+def _reflectance(graph, ior):
+    fresnel = graph.node("ShaderNodeFresnel", 5, -4, "boundary")
+    fresnel.inputs["IOR"].default_value = ior
+    return fresnel.outputs[0]

@@ -33,18 +33,22 @@ def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
     the group by name; `name`: of the material; `scale`: (3,), of the object. The surface emits the sum, and
     no closure but the boundary's mirror receives light, so that nothing is lit twice."""
     textures, total = _Images(graph, uv_map, name), None
-    view = None if images.sky_change is None else _view(graph)
-    changes = [None] * len(sources) if view is None else [*images.lamp_changes, images.sky_change]
+    by_view = images.sky_change is not None
+    view = _view(graph) if by_view else None
+    changes = [*images.lamp_changes, images.sky_change] if by_view else [None] * len(sources)
     every = zip(sources, [*images.lamps, images.sky], changes, strict=True)
     for row, (one, image, change) in enumerate(every):
         texels = textures.socket(one.name, one.factor * image, 3 * row)
         if change is not None:
-            by_view = textures.node(f"{one.name} by view", one.factor * change * [*scale, 1.0], 3 * row + 1)
-            texels = _towards(graph, texels, by_view, view, one.name, 3 * row)
+            linear = textures.node(f"{one.name} by view", one.factor * change * [*scale, 1.0], 3 * row + 1)
+            texels = _towards(graph, texels, linear, view, one.name, 3 * row)
         coloured = graph.vector("MULTIPLY", 2, 3 * row, one.name, texels, sockets[_colour(one)])
         light = graph.scale(3, 3 * row, one.name, coloured, sockets[_strength(one)])
         total = light if total is None else graph.vector("ADD", 4, 3 * row, "all light", total, light)
-    emission = graph.node("ShaderNodeEmission", 5, 0, "light from inside")
+    if by_view and surface.is_smooth:
+        share = boundary_graph.passed(graph, surface.ior)
+        total = graph.scale(5, 0, "light that the boundary lets out", total, share)
+    emission = graph.node("ShaderNodeEmission", 6, 0, "light from inside")
     graph.link(total, emission.inputs["Color"])
     if surface.ior == 1.0:
         return emission.outputs[0], None

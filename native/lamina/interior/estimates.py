@@ -58,8 +58,8 @@ class LightEstimate(ByContent):
     `value` and `stderr`. The boundary's reflection at the point is not included.
 
     `lamp_slopes`, (n, lamps, 3), and `sky_slope`, (n, 3): how the mean over channels changes with the direction w to
-    the eye: the vector b of the function a + b . w that is nearest in the cosine-weighted square. 0 for given
-    directions."""
+    the eye, beyond the change of the share that a smooth boundary lets out, by which that mean is divided: the vector b
+    of the function a + b . w that is nearest in the cosine-weighted square. 0 for given directions."""
 
     lamps: Measured
     sky: Measured

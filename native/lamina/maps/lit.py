@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.fresnel import fresnel
 from ..common.progress import Progress
 from ..interior.estimates import LightEstimate
 from ..interior.grid import Interior
@@ -24,6 +25,8 @@ from .noise import noise_of, preview_report
 from .places import Places
 from .smoothing import smoothed
 
+VIEWS = 32  # Gauss-Legendre nodes in the view's cosine
+
 
 @dataclass(frozen=True, eq=False)
 class LitImages:
@@ -33,8 +36,9 @@ class LitImages:
     each times its strength and colour. The boundary's reflection is not included.
 
     `lamp_changes`, `sky_change`: how radiance changes with the view, in arrays of the same shapes but for a last axis
-    of 4, (b, c). In the direction w, a unit vector to the eye, the mean over channels is max(0, b . w + c), and the
-    colour is that of the image. Both are None if directions are given.
+    of 4, (b, c). In the direction w, a unit vector to the eye, the mean over channels is max(0, b . w + c), behind a
+    smooth boundary times the share that Fresnel's equations let out; the colour is that of the image. Both are None if
+    directions are given.
 
     `mask`: the texels, or the vertices, with a value of their own; those of the margin have copies. `estimate`: values
     and standard errors at the points of the mask, in sequence. `noise`: standard error relative to the mean, of the
@@ -100,7 +104,8 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
     lamps, sky = _filled(places, light, margin)
     changes: tuple[np.ndarray | None, np.ndarray | None] = None, None
     if problem.points.views is None:
-        changes = _filled(places, _changes(light, values[:, sources:], problem.points.normals), margin)
+        linear = _linear(light, values[:, sources:], problem.points.normals, problem.boundary)
+        changes = _filled(places, linear, margin)
     return LitImages(lamps, sky, *changes, places.mask, found, noise_of(found), time.perf_counter() - walked.began,
                      places.notes, walked.done)
 
@@ -118,7 +123,11 @@ def _filled(places: Places, values: np.ndarray, margin: int) -> tuple[np.ndarray
     return np.stack(lamps) if lamps else np.zeros((0, *sky.shape), np.float32), sky
 
 
-def _changes(light: np.ndarray, slopes: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(b, c) of LitImages: the light is its mean plus slope . (w - 2/3 n), where 2/3 n is the mean of w."""
-    constant = light.mean(axis=-1) - 2.0 / 3.0 * np.einsum("pki,pi->pk", slopes, normals)
+def _linear(light: np.ndarray, slopes: np.ndarray, normals: np.ndarray, boundary: Surface) -> np.ndarray:
+    """(b, c) of LitImages, with the slope b and the mean of the light."""
+    nodes, weights = np.polynomial.legendre.leggauss(VIEWS)
+    cosines = 0.5 * (nodes + 1.0)
+    passed = weights * cosines * (1.0 - fresnel(cosines, boundary.ior) if boundary.is_smooth else 1.0)
+    along = np.einsum("pki,pi->pk", slopes, normals)
+    constant = (light.mean(axis=-1) - along * (passed * cosines).sum()) / passed.sum()
     return np.concatenate([slopes, constant[..., None]], axis=-1)

@@ -10,14 +10,17 @@
 namespace lamina {
 
 /// The mean radiance of each channel, cosine-weighted over the directions w about the normal n, and then the slope: the
-/// vector b of the function a + b.w that is nearest to the mean over channels in the cosine-weighted square.
+/// vector b of the function a + b.w that is nearest, in the cosine-weighted square, to the mean over channels, divided
+/// by the share that a smooth boundary lets out along w.
 using FirstOrder = std::array<double, kChannels + 3>;
 
 /// The slope of light of radiance 1 that leaves in the direction w alone, per cosine-weighted solid angle / pi. With
-/// that density the mean of w is 2/3 n; the variance of w is 1/18 along n and 1/4 across.
-inline Ray slope_towards(const Ray& w, const Ray& n) {
-  const double along = 14.0 * w.dot(n) - 12.0;
-  return {4.0 * w.x + along * n.x, 4.0 * w.y + along * n.y, 4.0 * w.z + along * n.z};
+/// that density the mean of w is 2/3 n; the variance of w is 1/18 along n and 1/4 across. `passed`: the share that the
+/// boundary lets out.
+inline Ray slope_towards(const Ray& w, const Ray& n, double passed) {
+  const double across = 4.0 / passed;
+  const double along = (14.0 * w.dot(n) - 12.0) / passed;
+  return {across * w.x + along * n.x, across * w.y + along * n.y, across * w.z + along * n.z};
 }
 
 /// Adds light with these weights times a factor. `slope`: of its direction, by slope_towards.

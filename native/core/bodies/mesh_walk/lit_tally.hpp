@@ -51,7 +51,7 @@ class LitTally final : public WalkListener {
 
   void starts(const Ray& view, const Ray& normal, bool given) override {
     last_.reset();
-    slope_ = given ? Ray{0.0, 0.0, 0.0} : slope_towards(view, normal);
+    slope_ = given ? Ray{0.0, 0.0, 0.0} : slope_towards(view, normal, walk_.boundary().passed(view, normal));
   }
   /// Ends a sample.
   void finish();

@@ -31,13 +31,14 @@ void merge(std::vector<Deposit>& found) {
 
 bool PhotonTally::leaves(const Meeting& exit) {
   // As along walks, light that passes a matched boundary without scattering does not count.
-  if (is_matched_ && exit.scatterings == 0) {
+  if (boundary_.kind() == SurfaceBoundary::Kind::kMatched && exit.scatterings == 0) {
     return true;
   }
   if (const std::int32_t point = texels_.at(exit.face, exit.place); point != SurfaceTexels::kNone) {
     const double per_radiance = kChannels * std::numbers::pi * texels_.areas()[static_cast<std::size_t>(point)];
     Deposit deposit{point, {}, {}};
-    add(deposit.light, exit.weights, 1.0 / per_radiance, slope_towards(exit.direction, texels_.normal(point)));
+    const double passed = boundary_.passed(exit.direction, exit.normal);
+    add(deposit.light, exit.weights, 1.0 / per_radiance, slope_towards(exit.direction, texels_.normal(point), passed));
     sample_.push_back(deposit);
   }
   return true;

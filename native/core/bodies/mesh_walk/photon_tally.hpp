@@ -18,8 +18,7 @@ struct Deposit {
 /// Collects the radiance at the points of a surface where light leaves, for photons of flux 1.
 class PhotonTally final : public WalkListener {
  public:
-  PhotonTally(const MeshWalk& walk, const SurfaceTexels& texels)
-      : texels_(texels), is_matched_(walk.boundary().kind() == SurfaceBoundary::Kind::kMatched) {}
+  PhotonTally(const MeshWalk& walk, const SurfaceTexels& texels) : texels_(texels), boundary_(walk.boundary()) {}
 
   bool leaves(const Meeting& exit) override;
 
@@ -30,7 +29,7 @@ class PhotonTally final : public WalkListener {
 
  private:
   const SurfaceTexels& texels_;
-  bool is_matched_;
+  const SurfaceBoundary& boundary_;
   std::vector<Deposit> sample_;   ///< of the current sample
   std::vector<Deposit> samples_;  ///< of the samples before
 };
