@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -195,6 +196,7 @@ FlakeKernel::FlakeKernel(const Flakes& flakes, const Directions& directions) : t
         part.steady(i, j) = factor * fresnel.constant;
       }
     }
+    part.sort();
   }
   correction_.resize(columns);
   cusp_.resize(columns);
@@ -220,19 +222,38 @@ FlakeKernel::FlakeKernel(const Flakes& flakes, const Directions& directions) : t
   }
 }
 
+void FlakeKernel::Part::sort() {
+  place.resize(static_cast<std::size_t>(log_r.size()));
+  std::iota(place.begin(), place.end(), Index{0});
+  std::stable_sort(place.begin(), place.end(), [&](Index a, Index b) { return log_r(a) > log_r(b); });
+  const auto put_in_order = [&](ArrayXXd& table) { table = table.reshaped()(place).eval(); };
+  for (ArrayXXd* table : {&log_r, &flat, &rising}) {
+    put_in_order(*table);
+  }
+  for (std::vector<ArrayXXd>* tables : {&log_q, &share}) {
+    std::ranges::for_each(*tables, put_in_order);
+  }
+}
+
 MatrixXd FlakeKernel::order_of(const Part& part, int m) const {
+  constexpr double kNothing = -50.0;  // 2e-22
   const double order = m;
-  ArrayXXd sum = (order * part.log_r).exp() * (part.flat + order * part.rising);
+  const Index lasting = (order * part.log_r >= kNothing).count();
+  const auto powers = [&](const ArrayXXd& log) { return (order * log.topRows(lasting)).exp(); };
+  ArrayXXd sum = powers(part.log_r) * (part.flat.topRows(lasting) + order * part.rising.topRows(lasting));
   for (std::size_t n = 0; n < part.share.size(); ++n) {
-    sum += part.share[n] * (order * part.log_q[n]).exp();
+    sum += part.share[n].topRows(lasting) * powers(part.log_q[n]);
   }
+  const Index rows = part.steady.rows();
+  const Index columns = part.steady.cols();
+  MatrixXd all = MatrixXd::Zero(rows, rows);
   if (m == 0) {
-    sum += part.steady;
+    all.leftCols(columns) = part.steady.matrix();
   }
-  MatrixXd all(sum.rows(), sum.rows());
-  all.leftCols(sum.cols()) = sum.matrix();
-  all.topRightCorner(sum.cols(), targets_) = sum.bottomRows(targets_).matrix().transpose();
-  all.bottomRightCorner(targets_, targets_).setZero();
+  for (Index k = 0; k < lasting; ++k) {
+    all.data()[part.place[static_cast<std::size_t>(k)]] += sum(k);
+  }
+  all.topRightCorner(columns, targets_) = all.bottomLeftCorner(targets_, columns).transpose();
   return all;
 }
 

@@ -39,7 +39,9 @@ class FlakeKernel {
   PhaseKernel order(int m) const;
 
  private:
-  /// Coefficients by direction and live node: of r^m, of m r^m, and of q^m for each term of the Fresnel fit.
+  /// Coefficients by direction and live node: of r^m, of m r^m, and of q^m for each term of the Fresnel fit. Every q is
+  /// below r: where r^m is nothing, the order vanishes. High orders have few other elements, so that sort() puts all
+  /// tables but `steady` into one column, largest r first.
   struct Part {
     Eigen::ArrayXXd log_r;
     Eigen::ArrayXXd flat;
@@ -47,6 +49,9 @@ class FlakeKernel {
     Eigen::ArrayXXd steady;  ///< of order 0 alone
     std::vector<Eigen::ArrayXXd> log_q;
     std::vector<Eigen::ArrayXXd> share;
+    std::vector<Eigen::Index> place;  ///< of the elements in a matrix, set by sort()
+
+    void sort();
   };
   Eigen::MatrixXd order_of(const Part& part, int m) const;
 

@@ -120,29 +120,29 @@ void WalkBeam::pass(const WalkElements& stack, std::size_t first, std::size_t la
   // Snell's law keeps n sin(theta).
   const auto cosine = [&](std::size_t gap) { return sine_of(sine / stack.ior[gap]); };
   // An empty element at each end collects the light that leaves.
-  ScatteringFunction empty = ScatteringFunction::bare(1, 0);
-  empty.transmit.delta[0] = 1.0;
-  std::vector<ScatteringFunction> deltas{empty};
+  const auto empty = DeltasOf<1>::nothing(1);
+  std::vector<DeltasOf<1>> deltas{empty};
+  deltas.reserve(last - first + 2);
   for (std::size_t k = first; k < last; ++k) {
     const Element& element = stack.elements[k];
-    ScatteringFunction s = ScatteringFunction::bare(1, 0);
+    DeltasOf<1> s{DeltasOf<1>::Share(0.0), DeltasOf<1>::Share(0.0), DeltasOf<1>::Share(0.0)};
     if (element.kind == Kind::kMedium) {
       const Medium& medium = element.medium;
       const double extinction = medium.flakes ? medium.flakes->extinction(cosine(k)) : 1.0;
-      s.transmit.delta[0] = std::exp(-medium.tau * extinction / cosine(k));
+      s.transmit[0] = std::exp(-medium.tau * extinction / cosine(k));
     } else if (element.kind == Kind::kSmooth) {
       // A cosine of 0 means that the ray does not exist there.
       const SmoothBoundary boundary(element.from_above, cosine(k), cosine(k + 1));
-      s.reflect_above.delta[0] = boundary.above;
-      s.reflect_below.delta[0] = boundary.below;
-      s.transmit.delta[0] = boundary.passed;
+      s.reflect_above[0] = boundary.above;
+      s.reflect_below[0] = boundary.below;
+      s.transmit[0] = boundary.passed;
     } else if (element.kind == Kind::kMirror) {
-      s.reflect_above.delta[0] = element.mirror.mirror_reflectance(cosine(k), stack.ior[k]);
+      s.reflect_above[0] = element.mirror.mirror_reflectance(cosine(k), stack.ior[k]);
     }
-    deltas.push_back(std::move(s));
+    deltas.push_back(s);
   }
   deltas.push_back(empty);
-  const DeltaField field(deltas);
+  const DeltaFieldOf<1> field(deltas);
   const auto& arrivals = from_below ? field.from_below : field.from_above;
   const auto ray = [&](std::size_t gap, double turn) -> Ray {
     const double across = sine / stack.ior[gap];
