@@ -34,6 +34,7 @@ FURNACE_ERROR, FURNACE_SIGMA = 1e-3, 3e-4
 # Diffuse and Translucent, but beside a Glossy closure or a Toon, whose density is higher than its value, up to 4 % of
 # the lobe is lost.
 STRAYED = 5e-3
+SHEET_SIGMA = 1e-3  # against STRAYED
 FURNACE_PATCHES = 24
 PILOT_PATCHES, PILOT_SAMPLES, MOST_SAMPLES = 8, 256, 16384
 
@@ -125,6 +126,11 @@ class Sample:
     @property
     def is_sheet(self):
         return self.exact.stack.base is None
+
+    @property
+    def furnace_sigma(self):
+        """The relative standard error of a furnace that shows errors of the size allowed."""
+        return SHEET_SIGMA if self.is_sheet else FURNACE_SIGMA
 
     @property
     def parts(self):
@@ -257,10 +263,13 @@ def made(stacks, samples_of, names):
 
 
 def make_sample(addon, name, stack, views, quality="final", basis=None):
-    """The stack passes through the panel's properties, the bake and the node group, as for a user."""
+    """The stack passes through the panel's properties, the bake and the node group, as for a user; the picture of the
+    result in the panel is left out."""
     material = bpy.data.materials.new(name)
     addon.editing.stack_io.assign_stack(material, stack)
-    lut = addon.baking.bake_job.bake_material(material, quality, basis=basis)
+    basis = addon.base.preferences.table_basis(basis or material.lamina.basis)
+    lut = lamina.bake(addon.editing.stack_io.to_stack(material), quality, basis=basis)
+    addon.baking.bake_job.apply(material, lut)
     assert lut.header["stack_hash"] == stack.hash
     return Sample(name, material, lut, lamina.solve(stack), views)
 
@@ -317,8 +326,9 @@ def under_the_sun(samples, kind, side, lights):
     return {(sample.name, kind, side): values[:, :, k] for k, sample in enumerate(seen)}
 
 
-def in_the_furnace(samples):
-    """{(sample's name, side): (mean, its standard error), each of shape (views, 3)}; both faces of sheets.
+def in_the_furnace(samples, sigma=None):
+    """{(sample's name, side): (mean, its standard error), each of shape (views, 3)}; both faces of sheets. `sigma`: the
+    relative standard error; None: each sample's own.
 
     Each material is rendered many times, at different pixels: the spread of its patches gives the error of the mean. A
     pilot render gives the number of samples. If this is too small, twice as many samples replace the first ones.
@@ -331,27 +341,28 @@ def in_the_furnace(samples):
             seen = [sample for sample in samples if side == "top" or sample.is_sheet]
             if seen:
                 mu_o = seen[0].views.mu.tolist()
-                results = np.array([_furnace(seen, view, side == "bottom") for view in mu_o])
+                results = np.array([_furnace(seen, view, side == "bottom", sigma) for view in mu_o])
                 found |= {(one.name, side): (results[:, k, 0], results[:, k, 1]) for k, one in enumerate(seen)}
     return found
 
 
-def _furnace(seen, mu_o, backface):
+def _furnace(seen, mu_o, backface, sigma):
     """[(mean, standard error) for each sample], shape (samples, 2, 3)."""
     pilot = _patches([sample.material for sample in seen], PILOT_PATCHES, mu_o, PILOT_SAMPLES, backface)
     spread = (pilot.std(axis=0, ddof=1) / pilot.mean(axis=0)).max(axis=-1)
+    allowed = np.array([sigma or sample.furnace_sigma for sample in seen])
     # Variance falls at least as 1 / samples. Powers of two, at which Cycles' sequences converge best.
-    wanted = PILOT_SAMPLES / FURNACE_PATCHES * (spread / FURNACE_SIGMA) ** 2
+    wanted = PILOT_SAMPLES / FURNACE_PATCHES * (spread / allowed) ** 2
     results = []
-    for sample, count in zip(seen, wanted, strict=True):
+    for sample, most, count in zip(seen, allowed, wanted, strict=True):
         count = min(max(2 ** math.ceil(math.log2(max(count, 1.0))), 2 * PILOT_SAMPLES), MOST_SAMPLES)
         while True:
             values = _patches([sample.material], FURNACE_PATCHES, mu_o, count, backface)[:, 0]
-            mean, sigma = values.mean(axis=0), values.std(axis=0, ddof=1) / math.sqrt(FURNACE_PATCHES)
-            if count >= MOST_SAMPLES or np.all(sigma < FURNACE_SIGMA * mean):
+            mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / math.sqrt(FURNACE_PATCHES)
+            if count >= MOST_SAMPLES or np.all(error < most * mean):
                 break
             count *= 2
-        results.append((mean, sigma))
+        results.append((mean, error))
     return results
 
 

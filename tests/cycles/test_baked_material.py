@@ -103,7 +103,7 @@ def test_white_furnace_is_the_exact_albedo(sample, furnace):
     for side in ("top", "bottom") if sample.is_sheet else ("top",):
         mean, sigma = furnace[sample.name, side]
         exact = sample.albedo(side)
-        assert np.all(sigma < baked_samples.FURNACE_SIGMA * exact), "too noisy to say anything"
+        assert np.all(sigma < sample.furnace_sigma * exact), "too noisy to say anything"
         allowed = baked_samples.STRAYED if sample.is_sheet else FURNACE_ERROR * exact
         assert np.all(np.abs(mean - exact) <= allowed), (side, mean / exact - 1.0)
 

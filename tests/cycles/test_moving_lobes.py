@@ -24,9 +24,12 @@ STACKS = {
     "road sign": Stack([Interface(1.5), Medium((0.93, 0.25, 0.2), (0.5, 0.9, 1.0))], Retroreflector(0.7, 0.08)),
     "dusty gold": Stack([Medium(0.8, 0.5, HenyeyGreenstein(0.6), varying=True)], Conductor(alpha=0.15, **GOLD)),
 }
+# A final bake of all thicknesses takes half a minute; the report gives the expected errors at either quality.
+QUALITY = {"dusty gold": "preview"}
 ROW = 20.5  # of the varying dust
 # Bars for the report: mean and worst slice.
 MEAN, WORST = 0.04, 0.11
+FURNACE_SIGMA = 1e-3
 # Blender before 5.0 samples tilted microfacets wrongly: a furnace is up to this much too bright.
 BEFORE_5_0 = 0.03
 
@@ -43,7 +46,7 @@ def lights_of(name):
 def samples(addon):
     found = {}
     for name, stack in STACKS.items():
-        sample = baked_samples.make_sample(addon, name, stack, VIEWS, basis="moving")
+        sample = baked_samples.make_sample(addon, name, stack, VIEWS, QUALITY.get(name, "final"), "moving")
         found[name] = sample if stack.varying is None else baked_samples.at_row(sample, ROW)
     yield found
     for sample in found.values():
@@ -81,7 +84,7 @@ def test_radiance_is_the_fitted_mixture(name, samples, readings):
 
 
 def test_a_furnace_shows_the_exact_albedo(samples):
-    found = baked_samples.in_the_furnace(list(samples.values()))
+    found = baked_samples.in_the_furnace(list(samples.values()), FURNACE_SIGMA)
     for name, sample in samples.items():
         mean, error = found[name, "top"]
         allowed = (FURNACE_ERROR + INTERPOLATION if bpy.app.version >= (5, 0) else BEFORE_5_0) + 3.0 * error
