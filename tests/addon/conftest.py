@@ -59,6 +59,26 @@ def lamina(addon):
     return addon.base.native.require()
 
 
+@pytest.fixture(scope="module")
+def known_tables():
+    """The tables of `equal_bakes_once`; a test that clears them bakes itself."""
+    return {}
+
+
+@pytest.fixture
+def equal_bakes_once(lamina, known_tables, monkeypatch):
+    """The tests of a module share the tables of equal bakes."""
+    bake = lamina.bake
+
+    def once(stack, quality="final", progress=None, cancel=None, threads=0, **how):
+        key = stack.hash, quality, repr(sorted(how.items()))
+        if key not in known_tables:
+            known_tables[key] = bake(stack, quality, progress=progress, cancel=cancel, threads=threads, **how)
+        return known_tables[key]
+
+    monkeypatch.setattr(lamina, "bake", once)
+
+
 @pytest.fixture
 def material(addon):
     """A new material with nodes and a first stack: one layer of dust over grey, preview quality."""

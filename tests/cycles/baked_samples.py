@@ -36,7 +36,7 @@ FURNACE_ERROR, FURNACE_SIGMA = 1e-3, 3e-4
 STRAYED = 5e-3
 SHEET_SIGMA = 1e-3  # against STRAYED
 FURNACE_PATCHES = 24
-PILOT_PATCHES, PILOT_SAMPLES, MOST_SAMPLES = 8, 256, 16384
+PILOT_PATCHES, PILOT_SAMPLES, LEAST_SAMPLES, MOST_SAMPLES = 8, 256, 64, 16384
 
 
 def _gauss(count, first, last):
@@ -355,7 +355,7 @@ def _furnace(seen, mu_o, backface, sigma):
     wanted = PILOT_SAMPLES / FURNACE_PATCHES * (spread / allowed) ** 2
     results = []
     for sample, most, count in zip(seen, allowed, wanted, strict=True):
-        count = min(max(2 ** math.ceil(math.log2(max(count, 1.0))), 2 * PILOT_SAMPLES), MOST_SAMPLES)
+        count = min(max(2 ** math.ceil(math.log2(max(count, 1.0))), LEAST_SAMPLES), MOST_SAMPLES)
         while True:
             values = _patches([sample.material], FURNACE_PATCHES, mu_o, count, backface)[:, 0]
             mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / math.sqrt(FURNACE_PATCHES)

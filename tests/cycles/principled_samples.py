@@ -3,6 +3,7 @@
 same stack."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import baked_samples
 import goniophotometer
@@ -22,6 +23,10 @@ class Shown:
     material: object
     base: PrincipledBase
     stack: Stack
+
+    @cached_property
+    def exact(self) -> lamina.ScatteringFunction:
+        return lamina.solve(self.stack)
 
 
 def baked(addon, name, layers, base: PrincipledBase, quality):
@@ -61,7 +66,7 @@ def slice_errors(shown, views, lights):
                      for v, view in enumerate(views.mu)])  # [view, light, sample, channel]
     errors = []
     for k, one in enumerate(shown):
-        exact = lamina.solve(one.stack).brdf(mu, lights.mu, lights.dphi) * lights.mu[..., None]
+        exact = one.exact.brdf(mu, lights.mu, lights.dphi) * lights.mu[..., None]
         exact = np.broadcast_to(exact, seen[:, :, k].shape)
         errors.append(np.sqrt(lights.norm2(seen[:, :, k] - exact) / lights.norm2(exact)))
     return np.array(errors)
@@ -72,6 +77,6 @@ def albedo_errors(shown, mu_o, samples=1024):
     found = []
     for mu in mu_o:
         seen = goniophotometer.furnace_many([one.material for one in shown], mu, samples=samples)
-        exact = np.array([np.broadcast_to(lamina.solve(one.stack).reflectance(mu), 3) for one in shown])
+        exact = np.array([np.broadcast_to(one.exact.reflectance(mu), 3) for one in shown])
         found.append(np.abs(seen / exact - 1.0).max(axis=1))
     return np.array(found).T

@@ -64,6 +64,7 @@ def test_a_preset_keeps_the_base(addon, lamina, glossy):
 OVERLAYS = [entry.id for entry in presets.entries() if entry.category == "Overlays"]
 
 
+@pytest.mark.usefixtures("equal_bakes_once")
 @pytest.mark.parametrize("preset", OVERLAYS)
 def test_an_overlay_lies_over_a_principled_material(addon, lamina, preset):
     """One step for a material without layers, with breakup; removing it leaves nothing behind."""

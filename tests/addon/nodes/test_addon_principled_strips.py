@@ -9,7 +9,7 @@ INPUTS = [(), ("color",), ("color", "metallic", "roughness")]
 
 
 @pytest.fixture(params=INPUTS, ids=["fixed", "color", "all"])
-def baked(addon, lamina, material, request):
+def shown(addon, lamina, material, request, equal_bakes_once):
     """(the package, node group, table) of dust over a metal."""
     dust = lamina.Medium(albedo=0.9, tau=1.0, phase=lamina.HenyeyGreenstein(0.6), varying=True)
     base = lamina.PrincipledBase(color=(0.8, 0.4, 0.1), metallic=1.0, roughness=0.5, inputs=request.param)
@@ -18,8 +18,8 @@ def baked(addon, lamina, material, request):
     return addon, material.lamina.node_group, lut
 
 
-def test_the_weight_of_the_bsdf_is_the_alpha_of_a_strip(baked):
-    addon, group, lut = baked
+def test_the_weight_of_the_bsdf_is_the_alpha_of_a_strip(shown):
+    addon, group, lut = shown
     names, rows = lut.header["closures"], lut.weights.shape[2]
     first = names.index(addon.nodes.lut_image.holder_of_principled(lut).name) * rows
     texels = pixels(image_of(group))
@@ -28,8 +28,8 @@ def test_the_weight_of_the_bsdf_is_the_alpha_of_a_strip(baked):
     assert "w" not in labels and "Eevee w" in labels
 
 
-def test_each_closure_of_a_metal_or_dielectric_is_drawn_once(baked):
-    addon, group, lut = baked
+def test_each_closure_of_a_metal_or_dielectric_is_drawn_once(shown):
+    addon, group, lut = shown
     used = [lut.header["closures"][index] for index in addon.nodes.closure_graph.used_closures(lut)]
     labels = [node.label for node in group.nodes]
     wanted = {(name.startswith("metal/"), name.removeprefix("metal/").removeprefix("base/")) for name in used}

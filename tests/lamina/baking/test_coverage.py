@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A varying interface: what is left without its film, and the table that holds both."""
 
+import functools
 import itertools
 import json
 
@@ -90,6 +91,7 @@ STACKS = {
 }
 
 
+@functools.cache
 def bake(stack):
     """Of layers of varying thickness, every eighth thickness is solved."""
     return lamina.bake(stack, "preview", row_stride=1 if stack.varying is None else 8, threads=1)

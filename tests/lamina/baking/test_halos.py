@@ -38,8 +38,9 @@ def measured(stack, lut):
     weight = np.outer(0.5 * wx, 1.5 * np.pi * wy * (0.5 * (y + 1.0)) ** 2)[..., None]
     views = np.cos((np.arange(0.0, 60.0, 5.0) + 2.5) / 63.0 * np.pi / 2)  # as many at each angle as in the report
     directions = views[:, None, None], mu[:, None], azimuth
-    difference = (lut.evaluate(*directions) - lamina.solve(stack).brdf(*directions)) * mu[:, None, None]
-    whole = lamina.solve(stack).brdf(*directions) * mu[:, None, None]
+    exact = lamina.solve(stack).brdf(*directions)
+    difference = (lut.evaluate(*directions) - exact) * mu[:, None, None]
+    whole = exact * mu[:, None, None]
     return np.sqrt((difference**2 * weight).sum(axis=(1, 2)) / (whole**2 * weight).sum(axis=(1, 2)))
 
 
