@@ -273,6 +273,8 @@ ScatteringBetweenLobes::Bundle ScatteringBetweenLobes::bundle(std::size_t scatte
 ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) const {
   const Solution& solution = assembly_.solution();
   ArrayXd sum = ArrayXd::Zero(dphi.size());
+  const ArrayXd forward = dphi.cos();
+  const ArrayXd sideways = dphi.sin();
   for (std::size_t k = 0; k < solution.scatterers().size(); ++k) {
     const Solution::Scatterer& scatterer = solution.scatterers()[k];
     const double weight = 0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior);
@@ -316,14 +318,17 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
               const double other = side_o * along[s] + along_o * side;
               for (Index p = 0; p < dphi.size(); ++p, ++pair) {
                 mu[pair] = in.mu[static_cast<std::size_t>(s)];
-                azimuths[pair] = std::cos(dphi[p]) * cosine - std::sin(dphi[p]) * other;
+                azimuths[pair] = forward[p] * cosine - sideways[p] * other;
               }
             }
           }
         }
         const ArrayXd phase = scatterer.phase_of(mu_o, mu, turn, azimuths);
-        for (pair = 0; pair < phase.size(); ++pair) {
-          sum[pair % dphi.size()] += 0.25 * weight * share[pair / pairs] * phase[pair];
+        for (Index s = 0; s < share.size(); ++s) {
+          const double of_ray = 0.25 * weight * share[s];
+          for (pair = s * pairs; pair < (s + 1) * pairs; pair += dphi.size()) {
+            sum += of_ray * phase.segment(pair, dphi.size());
+          }
         }
       };
       add(out.down[r] * array(in.down) + out.up[r] * array(in.up), -1.0);

@@ -95,20 +95,6 @@ def test_a_second_time_bakes_nothing(dusting, scene):
     assert done.bakes == 0 and top(scene[0]) == pytest.approx(0.5, rel=0.05)
 
 
-def test_a_cancel_changes_nothing(lamina, dusting, scene, known_tables):
-    known_tables.clear()  # bakes ask whether they are canceled
-    before = {**serialised_tree.of_file(), "images": []}  # reading the scene makes a Render Result
-    with pytest.raises(lamina.Cancelled):
-        dusting.dust(bpy.context, scene, cancel=iter([False] * 3 + [True] * 1000).__next__)
-    job = dusting.start(bpy.context, scene)
-    job.cancel()
-    job.wait()
-    assert job.finish() is None
-    dusting.dust_job.forget()
-    assert {**serialised_tree.of_file(), "images": []} == before
-    assert not any(one.lamina.enabled for one in bpy.data.materials) and len(bpy.data.materials) == 2
-
-
 def test_layers_that_are_there_already(addon, dusting, scene):
     varnished = scene[2].material_slots[0].material
     addon.editing.over_material.add(varnished)
@@ -169,3 +155,17 @@ def test_the_operators(addon, dusting, scene, call):
     bpy.context.view_layer.active_layer_collection = bpy.context.view_layer.layer_collection.children["Inner"]
     bpy.ops.lamina.dust_objects(which="COLLECTION")
     assert [obj.name for obj in scene if obj.lamina_dust.told] == ["B"]
+
+
+def test_a_cancel_changes_nothing(lamina, dusting, scene, known_tables):
+    known_tables.clear()  # bakes ask whether they are canceled
+    before = {**serialised_tree.of_file(), "images": []}  # reading the scene makes a Render Result
+    with pytest.raises(lamina.Cancelled):
+        dusting.dust(bpy.context, scene, cancel=iter([False] * 3 + [True] * 1000).__next__)
+    job = dusting.start(bpy.context, scene)
+    job.cancel()
+    job.wait()
+    assert job.finish() is None
+    dusting.dust_job.forget()
+    assert {**serialised_tree.of_file(), "images": []} == before
+    assert not any(one.lamina.enabled for one in bpy.data.materials) and len(bpy.data.materials) == 2
