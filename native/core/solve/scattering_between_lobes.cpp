@@ -297,36 +297,36 @@ ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) c
       const auto add = [&](ArrayXd share, double turn) {
         // Two specular rays are in closed form, see StackSingleScattering.
         share[0] = r == 0 ? 0.0 : share[0];
-        if (share.isZero(0.0)) {
-          return;
-        }
-        for (Index s = 0; s < share.size(); ++s) {
-          const double mu_i = in.mu[static_cast<std::size_t>(s)];
-          share[s] *= (turn < 0.0 ? single_reflection : single_transmission)(optics.optical(mu_o), optics.optical(mu_i),
-                                                                             optics.tau);
-        }
         // Each ray stands for its mirror image in the plane of incidence, too. All pairs of a ray follow one another,
         // because phase_of computes less for equal cosines.
         const Index pairs = 4 * dphi.size();
-        ArrayXd mu(share.size() * pairs);
+        ArrayXd mu(pairs * (share != 0.0).count());
         ArrayXd azimuths(mu.size());
+        std::vector<double> weights;  // of the rays with a share
         Index pair = 0;
         for (Index s = 0; s < share.size(); ++s) {
+          if (share[s] == 0.0) {
+            continue;
+          }
+          const double mu_i = in.mu[static_cast<std::size_t>(s)];
+          const double once = (turn < 0.0 ? single_reflection : single_transmission)(optics.optical(mu_o),
+                                                                                     optics.optical(mu_i), optics.tau);
+          weights.push_back(0.25 * weight * (share[s] * once));
           for (const double side_o : {aside_o, -aside_o}) {
             for (const double side : {aside[s], -aside[s]}) {
               const double cosine = along_o * along[s] - side_o * side;
               const double other = side_o * along[s] + along_o * side;
               for (Index p = 0; p < dphi.size(); ++p, ++pair) {
-                mu[pair] = in.mu[static_cast<std::size_t>(s)];
+                mu[pair] = mu_i;
                 azimuths[pair] = forward[p] * cosine - sideways[p] * other;
               }
             }
           }
         }
         const ArrayXd phase = scatterer.phase_of(mu_o, mu, turn, azimuths);
-        for (Index s = 0; s < share.size(); ++s) {
-          const double of_ray = 0.25 * weight * share[s];
-          for (pair = s * pairs; pair < (s + 1) * pairs; pair += dphi.size()) {
+        pair = 0;
+        for (const double of_ray : weights) {
+          for (Index image = 0; image < 4; ++image, pair += dphi.size()) {
             sum += of_ray * phase.segment(pair, dphi.size());
           }
         }
