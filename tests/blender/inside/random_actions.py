@@ -67,8 +67,11 @@ def step_in_time(panel, chance):
     operator = chance.choice([bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo])
     for _ in range(chance.choice([1, 1, 3])):
         with window.on(panel):
-            if operator.poll():
-                operator()
+            try:
+                if operator.poll():
+                    operator()
+            except RuntimeError as error:  # Blender 4.3 lets no script write while a thread starts a Cycles preview
+                assert "drawing/rendering" in str(error)
 
 
 def take_preset(panel, chance):
