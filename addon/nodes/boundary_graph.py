@@ -6,32 +6,28 @@ from . import mix_shader
 
 def over(graph, ior, alpha, shader):
     """The shader under a boundary of this index and facet width, which mirrors by Fresnel's equations."""
-    share, mirror = _mirror(graph, ior, alpha)
+    share, mirror = reflectance(graph, ior), _mirror(graph, alpha)
     return mix_shader.between(graph, 6, 0, "boundary over all else", share, shader, mirror)
 
 
-def beside(graph, ior, alpha, shader):
+def beside(graph, share, alpha, shader):
     """The shader plus the light that such a boundary mirrors, for a shader that is already weakened by the
-    boundary."""
-    mirrored = mix_shader.weighted(graph, 6, 0, "mirrored light", *_mirror(graph, ior, alpha))
+    boundary. `share`: the socket of `reflectance`."""
+    mirrored = mix_shader.weighted(graph, 6, 0, "mirrored light", share, _mirror(graph, alpha))
     return mix_shader.added(graph, 7, 0, "with mirrored light", shader, mirrored)
 
 
-def passed(graph, ior):
-    """The share of light that a smooth boundary lets out towards the eye."""
-    return graph.math("SUBTRACT", 5, -3, "boundary", 1.0, _reflectance(graph, ior))
+def reflectance(graph, ior):
+    """The socket of the share of light that a boundary of this index mirrors towards the eye, by Fresnel's
+    equations."""
+    fresnel = graph.node("ShaderNodeFresnel", 5, -4, "boundary")
+    fresnel.inputs["IOR"].default_value = ior
+    return fresnel.outputs[0]
 
 
-def _mirror(graph, ior, alpha):
-    """(the share of light that is mirrored by Fresnel's equations, the shader that mirrors)."""
+def _mirror(graph, alpha):
     glossy = graph.node("ShaderNodeBsdfAnisotropic", 5, -2, "boundary")
     glossy.distribution = "GGX"
     glossy.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     glossy.inputs["Roughness"].default_value = alpha**0.5  # Blender's roughness is the root of alpha
-    return _reflectance(graph, ior), glossy.outputs[0]
-
-
-def _reflectance(graph, ior):
-    fresnel = graph.node("ShaderNodeFresnel", 5, -4, "boundary")
-    fresnel.inputs["IOR"].default_value = ior
-    return fresnel.outputs[0]
+    return glossy.outputs[0]

@@ -42,21 +42,23 @@ def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
         if change is not None:
             linear = textures.node(f"{one.name} by view", one.factor * change * [*scale, 1.0], 3 * row + 1)
             texels = _towards(graph, texels, linear, view, one.name, 3 * row)
-        coloured = graph.vector("MULTIPLY", 2, 3 * row, one.name, texels, sockets[_colour(one)])
-        light = graph.scale(3, 3 * row, one.name, coloured, sockets[_strength(one)])
+        coloured = graph.vector("MULTIPLY", 3, 3 * row, one.name, texels, sockets[_colour(one)])
+        light = graph.scale(3, 3 * row + 1, one.name, coloured, sockets[_strength(one)])
         total = light if total is None else graph.vector("ADD", 4, 3 * row, "all light", total, light)
+    mirrored = None if surface.ior == 1.0 else boundary_graph.reflectance(graph, surface.ior)
     if by_view and surface.is_smooth:
-        share = boundary_graph.passed(graph, surface.ior)
-        total = graph.scale(5, 0, "light that the boundary lets out", total, share)
-    emission = graph.node("ShaderNodeEmission", 6, 0, "light from inside")
+        passed = graph.math("SUBTRACT", 4, -3, "1 - reflectance", 1.0, mirrored)
+        total = graph.scale(4, -1, "light that the boundary lets out", total, passed)
+    emission = graph.node("ShaderNodeEmission", 5, 0, "light from inside")
     graph.link(total, emission.inputs["Color"])
-    if surface.ior == 1.0:
+    if mirrored is None:
         return emission.outputs[0], None
-    return boundary_graph.beside(graph, surface.ior, surface.alpha, emission.outputs[0]), None
+    return boundary_graph.beside(graph, mirrored, surface.alpha, emission.outputs[0]), None
 
 
 def _view(graph):
-    """The socket of the direction to the eye, in the object's own space, which has the object's scale."""
+    """The socket of the direction to the eye in the object's own space, where lengths are divided by the
+    object's scale."""
     geometry = graph.node("ShaderNodeNewGeometry", -3, 5, "view")
     turned = graph.node("ShaderNodeVectorTransform", -2, 5, "view in the object's space")
     turned.vector_type, turned.convert_from, turned.convert_to = "VECTOR", "WORLD", "OBJECT"
@@ -67,11 +69,11 @@ def _view(graph):
 def _towards(graph, light, change, view, name, row):
     """The socket of light whose mean over channels is max(0, b . view + c). `change`: the node of (b, c)."""
     along = graph.vector("DOT_PRODUCT", -1, row + 1, f"{name} b . view", change.outputs["Color"], view)
-    wanted = graph.math("ADD", -0.5, row + 1, f"{name} b . view + c", along, change.outputs["Alpha"])
-    wanted = graph.math("MAXIMUM", 0, row + 1, f"{name} towards the eye", wanted, 0.0)
+    linear = graph.math("ADD", 0, row + 1, f"{name} b . view + c", along, change.outputs["Alpha"])
+    wanted = graph.math("MAXIMUM", 1, row + 1, f"{name} towards the eye", linear, 0.0)
     mean = graph.vector("DOT_PRODUCT", -1, row, f"{name} mean", light, (1.0 / 3.0,) * 3)
-    share = graph.math("DIVIDE", 0.5, row + 1, f"{name} / mean", wanted, mean)  # 0 where the mean is 0
-    return graph.scale(1, row, f"{name} towards the eye", light, share)
+    share = graph.math("DIVIDE", 1, row, f"{name} / mean", wanted, mean)  # 0 where the mean is 0
+    return graph.scale(2, row, f"{name} towards the eye", light, share)
 
 
 def _strength(source):

@@ -41,7 +41,7 @@ MAPS = (
     ("NEW", "Unwrap", "A UV map named Lamina, unwrapped automatically", 1),
 )
 VIEWS = (
-    ("ALL", "All", "The light in all directions, to first order: for moving cameras", 0),
+    ("ALL", "All", "The light in all directions, approximately: for moving cameras", 0),
     ("CAMERA", "Camera", "The light towards the scene's camera: exact from its present place", 1),
 )
 

@@ -58,8 +58,9 @@ class LightEstimate(ByContent):
     `value` and `stderr`. The boundary's reflection at the point is not included.
 
     `lamp_slopes`, (n, lamps, 3), and `sky_slope`, (n, 3): how the mean over channels changes with the direction w to
-    the eye, beyond the change of the share that a smooth boundary lets out, by which that mean is divided: the vector b
-    of the function a + b . w that is nearest in the cosine-weighted square. 0 for given directions."""
+    the eye. A slope is the vector b of the linear function a + b . w that fits this mean best (cosine-weighted least
+    squares). Behind a smooth boundary, the fit is to the mean divided by 1 - Fresnel's reflectance along w. Slopes are
+    0 for given directions."""
 
     lamps: Measured
     sky: Measured

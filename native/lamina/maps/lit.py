@@ -36,9 +36,9 @@ class LitImages:
     each times its strength and colour. The boundary's reflection is not included.
 
     `lamp_changes`, `sky_change`: how radiance changes with the view, in arrays of the same shapes but for a last axis
-    of 4, (b, c). In the direction w, a unit vector to the eye, the mean over channels is max(0, b . w + c), behind a
-    smooth boundary times the share that Fresnel's equations let out; the colour is that of the image. Both are None if
-    directions are given.
+    of 4, (b, c). In the direction w, a unit vector to the eye, the mean over channels is max(0, b . w + c); behind a
+    smooth boundary this is multiplied by 1 - Fresnel's reflectance. The colour is that of the image. Both arrays are
+    None if directions are given.
 
     `mask`: the texels, or the vertices, with a value of their own; those of the margin have copies. `estimate`: values
     and standard errors at the points of the mask, in sequence. `noise`: standard error relative to the mean, of the
@@ -93,17 +93,15 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
 def _images(walked: MapWalk, margin: int) -> LitImages:
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     places, problem = walked.places, walked.walker.problem
-    every = [found.lamps, found.sky]
-    if problem.points.views is None:
-        every += [found.lamp_slopes, found.sky_slope]
+    by_view = problem.points.views is None
     # One pass for all, because the regression's matrices are the same
-    joined = _joined(every)
+    joined = _joined([found.lamps, found.sky] + [found.lamp_slopes, found.sky_slope] * by_view)
     values = smoothed(places, problem.interior, joined) if walked.done else joined.value
     sources = found.lamps.value.shape[1] + 1
     light = np.maximum(values[:, :sources], 0.0)
     lamps, sky = _filled(places, light, margin)
     changes: tuple[np.ndarray | None, np.ndarray | None] = None, None
-    if problem.points.views is None:
+    if by_view:
         linear = _linear(light, values[:, sources:], problem.points.normals, problem.boundary)
         changes = _filled(places, linear, margin)
     return LitImages(lamps, sky, *changes, places.mask, found, noise_of(found), time.perf_counter() - walked.began,
@@ -124,7 +122,7 @@ def _filled(places: Places, values: np.ndarray, margin: int) -> tuple[np.ndarray
 
 
 def _linear(light: np.ndarray, slopes: np.ndarray, normals: np.ndarray, boundary: Surface) -> np.ndarray:
-    """(b, c) of LitImages, with the slope b and the mean of the light."""
+    """(b, c) of LitImages: b is the slope, and c is such that the cosine-weighted mean is that of the light."""
     nodes, weights = np.polynomial.legendre.leggauss(VIEWS)
     cosines = 0.5 * (nodes + 1.0)
     passed = weights * cosines * (1.0 - fresnel(cosines, boundary.ior) if boundary.is_smooth else 1.0)

@@ -9,21 +9,22 @@
 
 namespace lamina {
 
-/// The mean radiance of each channel, cosine-weighted over the directions w about the normal n, and then the slope: the
-/// vector b of the function a + b.w that is nearest, in the cosine-weighted square, to the mean over channels, divided
-/// by the share that a smooth boundary lets out along w.
+/// The radiance of each channel, as the cosine-weighted mean over the directions w about the normal n; then the slope.
+/// The slope is the vector b of the linear function a + b.w that fits the mean over channels best (cosine-weighted
+/// least squares). Behind a smooth boundary, the fit is to this mean divided by the share that the boundary lets out
+/// along w.
 using FirstOrder = std::array<double, kChannels + 3>;
 
-/// The slope of light of radiance 1 that leaves in the direction w alone, per cosine-weighted solid angle / pi. With
-/// that density the mean of w is 2/3 n; the variance of w is 1/18 along n and 1/4 across. `passed`: the share that the
-/// boundary lets out.
+/// What a sample of radiance 1 in the direction w adds to the slope, if directions have the density cosine / pi. With
+/// this density the mean of w is 2/3 n, and the variance of w is 1/18 along n and 1/4 across. `passed`: the share that
+/// the boundary lets out along w.
 inline Ray slope_towards(const Ray& w, const Ray& n, double passed) {
   const double across = 4.0 / passed;
   const double along = (14.0 * w.dot(n) - 12.0) / passed;
   return {across * w.x + along * n.x, across * w.y + along * n.y, across * w.z + along * n.z};
 }
 
-/// Adds light with these weights times a factor. `slope`: of its direction, by slope_towards.
+/// Adds light with these weights times a factor. `slope`: the result of slope_towards for the light's direction.
 inline void add(FirstOrder& sum, const Weights& weights, double factor, const Ray& slope) {
   for (std::size_t c = 0; c < kChannels; ++c) {
     sum[c] += factor * weights[c];
