@@ -1,10 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes of an object's interior: images over a UV map, as Subsurface Scattering or as emitted light."""
 
+import math
+from collections import namedtuple
+
 import numpy as np
 
 from ..base import data_image
 from . import boundary_graph, relightable_graph
+
+# The largest light in a direction, over the mean. Where a surface is curved, texels are also seen from below
+# their horizon, where their exponentials are not fitted.
+LARGEST = 5.0
+
+# Sockets of the direction to the eye in the object's own axes, of (xy, yz, zx), and of two squares.
+_View = namedtuple("_View", ("direction", "products", "xx", "yy"))
 
 
 def draw_relightable(graph, inputs, length, uv_map, name):
@@ -34,17 +44,17 @@ def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
     no closure but the boundary's mirror receives light, so that nothing is lit twice."""
     textures, total = _Images(graph, uv_map, name), None
     by_view = images.sky_change is not None
-    view = _view(graph) if by_view else None
+    view = _view(graph, scale) if by_view else None
     changes = [*images.lamp_changes, images.sky_change] if by_view else [None] * len(sources)
     every = zip(sources, [*images.lamps, images.sky], changes, strict=True)
     for row, (one, image, change) in enumerate(every):
-        texels = textures.socket(one.name, one.factor * image, 3 * row)
-        if change is not None:
-            linear = textures.node(f"{one.name} by view", one.factor * change * [*scale, 1.0], 3 * row + 1)
-            texels = _towards(graph, texels, linear, view, one.name, 3 * row)
-        coloured = graph.vector("MULTIPLY", 3, 3 * row, one.name, texels, sockets[_colour(one)])
-        light = graph.scale(3, 3 * row + 1, one.name, coloured, sockets[_strength(one)])
-        total = light if total is None else graph.vector("ADD", 4, 3 * row, "all light", total, light)
+        if change is None:
+            light = textures.socket(one.name, one.factor * image, 3 * row)
+        else:
+            light = _towards(graph, textures, one.name, 3 * row, one.factor * image, change, view)
+        coloured = graph.vector("MULTIPLY", 3, 3 * row, one.name, light, sockets[_colour(one)])
+        shown = graph.scale(3, 3 * row + 1, one.name, coloured, sockets[_strength(one)])
+        total = shown if total is None else graph.vector("ADD", 4, 3 * row, "all light", total, shown)
     mirrored = None if surface.ior == 1.0 else boundary_graph.reflectance(graph, surface.ior)
     if by_view and surface.is_smooth:
         passed = graph.math("SUBTRACT", 4, -3, "1 - reflectance", 1.0, mirrored)
@@ -56,24 +66,39 @@ def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
     return boundary_graph.beside(graph, mirrored, surface.alpha, emission.outputs[0]), None
 
 
-def _view(graph):
-    """The socket of the direction to the eye in the object's own space, where lengths are divided by the
-    object's scale."""
-    geometry = graph.node("ShaderNodeNewGeometry", -3, 5, "view")
-    turned = graph.node("ShaderNodeVectorTransform", -2, 5, "view in the object's space")
+def _view(graph, scale):
+    geometry = graph.node("ShaderNodeNewGeometry", -6, 0, "view")
+    turned = graph.node("ShaderNodeVectorTransform", -5, 0, "view in the object's space")
     turned.vector_type, turned.convert_from, turned.convert_to = "VECTOR", "WORLD", "OBJECT"
     graph.link(geometry.outputs["Incoming"], turned.inputs["Vector"])
-    return turned.outputs["Vector"]
+    # In the object's space lengths are divided by its scale.
+    direction = graph.vector("MULTIPLY", -4, 0, "view", turned.outputs["Vector"], tuple(scale))
+    x, y, z = graph.separate(-4, 1, "view", direction)
+    others = graph.node("ShaderNodeCombineColor", -4, 2, "y, z, x")
+    for value, socket in zip((y, z, x), others.inputs, strict=True):
+        graph.link(value, socket)
+    products = graph.vector("MULTIPLY", -3, 0, "xy, yz, zx", direction, others.outputs["Color"])
+    squares = [graph.math("MULTIPLY", -3, 1 + row, name, value, value)
+               for row, (name, value) in enumerate((("xx", x), ("yy", y)))]
+    return _View(direction, products, *squares)
 
 
-def _towards(graph, light, change, view, name, row):
-    """The socket of light whose mean over channels is max(0, b . view + c). `change`: the node of (b, c)."""
-    along = graph.vector("DOT_PRODUCT", -1, row + 1, f"{name} b . view", change.outputs["Color"], view)
-    linear = graph.math("ADD", 0, row + 1, f"{name} b . view + c", along, change.outputs["Alpha"])
-    wanted = graph.math("MAXIMUM", 1, row + 1, f"{name} towards the eye", linear, 0.0)
-    mean = graph.vector("DOT_PRODUCT", -1, row, f"{name} mean", light, (1.0 / 3.0,) * 3)
-    share = graph.math("DIVIDE", 1, row, f"{name} / mean", wanted, mean)  # 0 where the mean is 0
-    return graph.scale(2, row, f"{name} towards the eye", light, share)
+def _towards(graph, textures, name, row, image, change, view):
+    """The socket of light times the exponential of a quadratic function of the view. `change`: the factors of
+    x, y, z, xx, yy, xy, yz, zx, and of 1, see lamina.LitImages."""
+    light = textures.node(name, np.concatenate([image, change[..., 8:]], axis=-1), row)
+    linear = textures.node(f"{name} by view", change[..., :4], row + 1)
+    square = textures.node(f"{name} by view squared", change[..., [5, 6, 7, 4]], row + 2)
+    exponent = light.outputs["Alpha"]
+    for k, (image, vector, number) in enumerate(((linear, view.direction, view.xx),
+                                                 (square, view.products, view.yy)), start=1):
+        color, alpha = image.outputs["Color"], image.outputs["Alpha"]
+        term = graph.vector("DOT_PRODUCT", -1, row + k, image.label, color, vector)
+        term = graph.math("MULTIPLY_ADD", 0, row + k, image.label, alpha, number, term)
+        exponent = graph.math("ADD", 1, row + k, f"{name} exponent", exponent, term)
+    exponent = graph.math("MINIMUM", 2, row + 2, f"{name} exponent", exponent, math.log(LARGEST))
+    factor = graph.math("EXPONENT", 2, row + 1, f"{name} towards the eye", exponent)
+    return graph.scale(2, row, f"{name} towards the eye", light.outputs["Color"], factor)
 
 
 def _strength(source):

@@ -225,8 +225,8 @@ py::tuple exits(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
   return py::make_tuple(moments, products, counts_of(results), lates);
 }
 
-/// Numbers of a FirstOrder.
-constexpr py::ssize_t kOrders = std::tuple_size_v<FirstOrder>;
+/// Numbers of LightMoments.
+constexpr py::ssize_t kNumbers = std::tuple_size_v<LightMoments>;
 
 py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary, const Rows& positions,
                 const Rows& normals, const std::optional<Rows>& views, std::uint64_t first_number,
@@ -239,8 +239,8 @@ py::tuple light(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary&
   }();
   const auto count = static_cast<py::ssize_t>(results.size());
   const auto columns = static_cast<py::ssize_t>(lamps.size() + 1);
-  Rows sums({count, columns, kOrders});
-  Rows squares({count, columns, kOrders});
+  Rows sums({count, columns, kNumbers});
+  Rows squares({count, columns, kNumbers});
   double* sum = sums.mutable_data();
   double* square = squares.mutable_data();
   for (const LitResult& result : results) {
@@ -283,8 +283,8 @@ py::tuple photons(BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundar
     return photons_to_texels(solid.walk(grid.grid, boundary), source, texels, {first, count, seed}, solid.pool);
   });
   const auto points = static_cast<py::ssize_t>(found.sums.size());
-  Rows sums({points, kOrders});
-  Rows squares({points, kOrders});
+  Rows sums({points, kNumbers});
+  Rows squares({points, kNumbers});
   double* sum = sums.mutable_data();
   double* square = squares.mutable_data();
   for (std::size_t k = 0; k < found.sums.size(); ++k) {
@@ -383,7 +383,7 @@ void lamina::bind_mesh_walk(py::module_& module) {
   module.def("walk_to_lights", &light, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("positions"),
              py::arg("normals"), py::arg("views"), py::arg("first_number"), py::arg("first_walk"), py::arg("walks"),
              py::arg("seed"), py::arg("lamps"), py::arg("by_occluders"), py::arg("surroundings"),
-             "(sums [point, lamp or last the surroundings, (channels, slope)], squares, counts).");
+             "(sums [point, lamp or last the surroundings, (channels, moments)], squares, counts).");
   py::class_<PhotonSource>(module, "PhotonSource", "Where the light of a lamp meets a solid.")
       .def(py::init([](const BoundSolid& solid, const Lamp& lamp) {
              return PhotonSource(*solid.solid, lamp, solid.occluders.get());
@@ -396,5 +396,5 @@ void lamina::bind_mesh_walk(py::module_& module) {
       .def_property_readonly("areas", [](const SurfaceTexels& self) { return self.areas(); }, "In mm^2, by position.");
   module.def("photons_to_texels", &photons, py::arg("solid"), py::arg("grid"), py::arg("boundary"), py::arg("source"),
              py::arg("texels"), py::arg("first"), py::arg("count"), py::arg("seed"),
-             "(sums [position, (channels, slope)], squares, counts [1, 5]) of samples [first, first + count).");
+             "(sums [position, (channels, moments)], squares, counts [1, 5]) of samples [first, first + count).");
 }

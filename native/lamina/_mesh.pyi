@@ -142,7 +142,7 @@ def corner_points(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint
     """
 def photons_to_texels(solid: Solid, grid: Grid, boundary: Boundary, source: PhotonSource, texels: SurfaceTexels, first: typing.SupportsInt | typing.SupportsIndex, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> tuple:
     """
-    (sums [position, (channels, slope)], squares, counts [1, 5]) of samples [first, first + count).
+    (sums [position, (channels, moments)], squares, counts [1, 5]) of samples [first, first + count).
     """
 def texels(uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, first_row: typing.SupportsInt | typing.SupportsIndex = 0, rows: typing.SupportsInt | typing.SupportsIndex | None = None) -> tuple:
     """
@@ -154,5 +154,5 @@ def walk_to_exits(solid: Solid, grid: Grid, boundary: Boundary, positions: typin
     """
 def walk_to_lights(solid: Solid, grid: Grid, boundary: Boundary, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], views: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None, first_number: typing.SupportsInt | typing.SupportsIndex, first_walk: typing.SupportsInt | typing.SupportsIndex, walks: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lamps: collections.abc.Sequence[Lamp], by_occluders: bool, surroundings: Surroundings) -> tuple:
     """
-    (sums [point, lamp or last the surroundings, (channels, slope)], squares, counts).
+    (sums [point, lamp or last the surroundings, (channels, moments)], squares, counts).
     """

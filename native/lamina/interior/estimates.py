@@ -13,7 +13,7 @@ from ..walks.searchlight_moments import Measured
 from .lamps import AnyLamp
 
 COUNTS = ("mirrored", "lost", "scatterings", "collisions", "rays")
-ORDERS = 6  # numbers by which the core describes light: three channels, and the slope's three components
+NUMBERS = 11  # by which the core describes light: three channels and eight moments
 # Index of the product v_i v_j, i <= j, for v = (w, w r, w r^2).
 _PRODUCT = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
 
@@ -57,15 +57,13 @@ class LightEstimate(ByContent):
     strength, shape (n, lamps, 3). `sky`: for the surroundings, by default of radiance 1, shape (n, 3). Both have
     `value` and `stderr`. The boundary's reflection at the point is not included.
 
-    `lamp_slopes`, (n, lamps, 3), and `sky_slope`, (n, 3): how the mean over channels changes with the direction w to
-    the eye. A slope is the vector b of the linear function a + b . w that fits this mean best (cosine-weighted least
-    squares). Behind a smooth boundary, the fit is to the mean divided by 1 - Fresnel's reflectance along w. Slopes are
-    0 for given directions."""
+    `lamp_moments`, (n, lamps, 8), and `sky_moments`, (n, 8): the mean over channels times x, y, z, x^2, y^2, xy, yz and
+    zx of the direction w to the eye, as cosine-weighted means over w; for given directions without a mean."""
 
     lamps: Measured
     sky: Measured
-    lamp_slopes: Measured
-    sky_slope: Measured
+    lamp_moments: Measured
+    sky_moments: Measured
     lamps_used: tuple[AnyLamp, ...]
     count: WalkCount
 
@@ -78,21 +76,21 @@ def exit_estimate(moments, products, counts, samples: int, seconds: float) -> Ex
 
 
 def light_estimate(sums, squares, counts, samples: int, lamps: tuple[AnyLamp, ...], seconds: float) -> LightEstimate:
-    """The estimate from sums and sums of squares [point, source, (channels, slope)]. Sources: the lamps, then the
+    """The estimate from sums and sums of squares [point, source, (channels, moments)]. Sources: the lamps, then the
     sky."""
-    light, slopes = _split(_mean(sums, squares, samples))
+    light, moments = _split(_mean(sums, squares, samples))
 
     def of(found: Measured, sources: slice | int) -> Measured:
         return Measured(found.value[:, sources], found.stderr[:, sources])
 
     every = slice(0, -1)
-    return LightEstimate(of(light, every), of(light, -1), of(slopes, every), of(slopes, -1), lamps,
+    return LightEstimate(of(light, every), of(light, -1), of(moments, every), of(moments, -1), lamps,
                          walk_count(counts, samples, seconds))
 
 
 def with_photons(sky: LightEstimate, arrays, photons: int, lamps: tuple[AnyLamp, ...]) -> LightEstimate:
     """The estimate by walks without lamps, or with the part of the light of lamps that photons do not bring, and the
-    light of lamps from so many photons each. `arrays`: sums and squares [point, lamp, (channels, slope)], counts
+    light of lamps from so many photons each. `arrays`: sums and squares [point, lamp, (channels, moments)], counts
     [lamp, 5]."""
     sums, squares, counts = arrays
     sent = walk_count(counts, photons, math.nan)
@@ -100,16 +98,16 @@ def with_photons(sky: LightEstimate, arrays, photons: int, lamps: tuple[AnyLamp,
     count = WalkCount(walked.seconds, walked.samples, max(walked.lost, sent.lost),
                       walked.scatterings + sent.scatterings, walked.collisions + sent.collisions,
                       walked.rays + sent.rays, photons)
-    light, slopes = _split(_mean(sums, squares, photons))
+    light, moments = _split(_mean(sums, squares, photons))
     if sky.lamps_used:
-        light, slopes = _sum(light, sky.lamps), _sum(slopes, sky.lamp_slopes)
-    return replace(sky, lamps=light, lamp_slopes=slopes, lamps_used=lamps, count=count)
+        light, moments = _sum(light, sky.lamps), _sum(moments, sky.lamp_moments)
+    return replace(sky, lamps=light, lamp_moments=moments, lamps_used=lamps, count=count)
 
 
 def without_lamps(light: LightEstimate) -> LightEstimate:
     """The light of the surroundings alone."""
     none = Measured(light.lamps.value[:, :0], light.lamps.stderr[:, :0])
-    return replace(light, lamps=none, lamp_slopes=none, lamps_used=())
+    return replace(light, lamps=none, lamp_moments=none, lamps_used=())
 
 
 def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:
@@ -124,7 +122,7 @@ def _mean(sums, squares, samples: int) -> Measured:
 
 
 def _split(found: Measured) -> tuple[Measured, Measured]:
-    """(light by channel, slope)."""
+    """(light by channel, moments)."""
     return (Measured(found.value[..., :3], found.stderr[..., :3]),
             Measured(found.value[..., 3:], found.stderr[..., 3:]))
 

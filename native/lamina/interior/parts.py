@@ -20,13 +20,13 @@ from ..common.errors import ShardError, quoted
 from ..common.kept import kept
 from ..common.parts import checked_shard, in_sequence, share_of
 from ..common.progress import Progress, portion, silent
-from .estimates import COUNTS, ORDERS, ExitEstimate, LightEstimate, exit_estimate, light_estimate, with_photons
+from .estimates import COUNTS, NUMBERS, ExitEstimate, LightEstimate, exit_estimate, light_estimate, with_photons
 from .lamps import AnyLamp, Surroundings, from_json
 from .occluders import Occluders
 from .problem import Lights, Problem, Run, Samples, Surface, WalkPoints
 from .walk import Walker
 
-FORMAT, SCHEMA = "lamina-walks", 3
+FORMAT, SCHEMA = "lamina-walks", 4
 WORK = "the walk in the mesh"
 _ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts"),
            "photons": ("sums", "squares", "counts")}
@@ -213,11 +213,11 @@ def _lamps(job: dict) -> tuple[AnyLamp, ...]:
 
 def _shapes(job: dict, shard: tuple[int, int]) -> tuple:
     if job["kind"] == "photons":
-        lit = (job["count"], len(job["lamps"]), ORDERS)
+        lit = (job["count"], len(job["lamps"]), NUMBERS)
         return lit, lit, (len(job["lamps"]), len(COUNTS))
     points = len(share_of(shard, job["count"]))
     counts = (points, len(COUNTS))
     if job["kind"] == "exits":
         return (points, 3, 3), (points, 3, 6), counts
     columns = len(job["lamps"]) + 1
-    return (points, columns, ORDERS), (points, columns, ORDERS), counts
+    return (points, columns, NUMBERS), (points, columns, NUMBERS), counts

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.fresnel import fresnel
 from ..common.progress import Progress
 from ..interior.estimates import LightEstimate
 from ..interior.grid import Interior
@@ -20,12 +19,11 @@ from ..interior.occluders import Occluders
 from ..interior.problem import Lights, Problem, Run, Surface
 from ..interior.solid import Solid
 from ..walks.searchlight_moments import Measured
+from .exponential import exponential
 from .map_walk import MapWalk, Target, map_of
 from .noise import noise_of, preview_report
 from .places import Places
 from .smoothing import smoothed
-
-VIEWS = 32  # Gauss-Legendre nodes in the view's cosine
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +34,9 @@ class LitImages:
     each times its strength and colour. The boundary's reflection is not included.
 
     `lamp_changes`, `sky_change`: how radiance changes with the view, in arrays of the same shapes but for a last axis
-    of 4, (b, c). In the direction w, a unit vector to the eye, the mean over channels is max(0, b . w + c); behind a
-    smooth boundary this is multiplied by 1 - Fresnel's reflectance. The colour is that of the image. Both arrays are
-    None if directions are given.
+    of 9. In the direction w, a unit vector to the eye, the radiance is that of the image times exp of the sum of these
+    numbers times x, y, z, x^2, y^2, xy, yz and zx of w, and 1; behind a smooth boundary also times 1 - Fresnel's
+    reflectance, see lamina.maps.exponential. Both arrays are None if directions are given.
 
     `mask`: the texels, or the vertices, with a value of their own; those of the margin have copies. `estimate`: values
     and standard errors at the points of the mask, in sequence. `noise`: standard error relative to the mean, of the
@@ -79,7 +77,7 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
 
     `view`: direction to the eye, (3,), or `eye`: its position in mm, (3,). Points that face away are not in the mask;
     within the margin they have copies, beyond it they are black. By default the light is the cosine-weighted mean over
-    directions, with a linear change by direction. In an image of that mean the light of lamps is by photons, as a mean
+    directions, with its change by direction. In an image of that mean the light of lamps is by photons, as a mean
     over the texel's surface: each lamp sends `samples` photons per point, or as many as `noise` asks for. The images
     have less noise than the estimates, see lamina.maps.smoothing. Other arguments and errors are those of
     relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are those of
@@ -94,38 +92,30 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     places, problem = walked.places, walked.walker.problem
     by_view = problem.points.views is None
-    # One pass for all, because the regression's matrices are the same
-    joined = _joined([found.lamps, found.sky] + [found.lamp_slopes, found.sky_slope] * by_view)
+    joined = _joined(found)
+    # One filter for light and moments: the ratio of both is then that of a mean over texels
     values = smoothed(places, problem.interior, joined) if walked.done else joined.value
-    sources = found.lamps.value.shape[1] + 1
-    light = np.maximum(values[:, :sources], 0.0)
+    light = np.maximum(values[..., :3], 0.0)
     lamps, sky = _filled(places, light, margin)
     changes: tuple[np.ndarray | None, np.ndarray | None] = None, None
     if by_view:
-        linear = _linear(light, values[:, sources:], problem.points.normals, problem.boundary)
-        changes = _filled(places, linear, margin)
+        error = joined.stderr[..., :3].mean(axis=-1)
+        change = exponential(light.mean(axis=-1), error, values[..., 3:], problem.points.normals, problem.boundary)
+        changes = _filled(places, change, margin)
     return LitImages(lamps, sky, *changes, places.mask, found, noise_of(found), time.perf_counter() - walked.began,
                      places.notes, walked.done)
 
 
-def _joined(every: list[Measured]) -> Measured:
-    """(points, sources, 3) of values with one or several sources."""
-    def join(arrays: list[np.ndarray]) -> np.ndarray:
-        return np.concatenate([array.reshape(len(array), -1, 3) for array in arrays], axis=1)
-    return Measured(join([one.value for one in every]), join([one.stderr for one in every]))
+def _joined(found: LightEstimate) -> Measured:
+    """(points, sources, channels and moments), the surroundings last."""
+    def join(part: str) -> np.ndarray:
+        lamps, sky = ([getattr(one, part) for one in both] for both in ((found.lamps, found.lamp_moments),
+                                                                         (found.sky, found.sky_moments)))
+        return np.concatenate([np.concatenate(lamps, axis=-1), np.concatenate(sky, axis=-1)[:, None]], axis=1)
+    return Measured(join("value"), join("stderr"))
 
 
 def _filled(places: Places, values: np.ndarray, margin: int) -> tuple[np.ndarray, np.ndarray]:
     """(images of the lamps, image of the sky) of values (points, sources, n)."""
     *lamps, sky = (places.filled(values[:, k], margin) for k in range(values.shape[1]))
     return np.stack(lamps) if lamps else np.zeros((0, *sky.shape), np.float32), sky
-
-
-def _linear(light: np.ndarray, slopes: np.ndarray, normals: np.ndarray, boundary: Surface) -> np.ndarray:
-    """(b, c) of LitImages: b is the slope, and c is such that the cosine-weighted mean is that of the light."""
-    nodes, weights = np.polynomial.legendre.leggauss(VIEWS)
-    cosines = 0.5 * (nodes + 1.0)
-    passed = weights * cosines * (1.0 - fresnel(cosines, boundary.ior) if boundary.is_smooth else 1.0)
-    along = np.einsum("pki,pi->pk", slopes, normals)
-    constant = (light.mean(axis=-1) - along * (passed * cosines).sum()) / passed.sum()
-    return np.concatenate([slopes, constant[..., None]], axis=-1)

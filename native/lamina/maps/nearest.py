@@ -35,9 +35,9 @@ def everywhere(trial: Trial, points: Points) -> ExitEstimate | LightEstimate:
     estimate = trial.estimate
     if trial.photons is not None:
         around = near[np.arange(len(near)), weights.argmax(axis=1)]
-        lamps, slopes = (_means(measured, around, len(trial.chosen))
-                         for measured in (trial.photons.lamps, trial.photons.lamp_slopes))
-        estimate = dataclasses.replace(trial.photons, lamps=lamps, lamp_slopes=slopes)
+        lamps, moments = (_means(measured, around, len(trial.chosen))
+                         for measured in (trial.photons.lamps, trial.photons.lamp_moments))
+        estimate = dataclasses.replace(trial.photons, lamps=lamps, lamp_moments=moments)
     fields = (one.name for one in dataclasses.fields(estimate))
     changed = {name: getattr(estimate, name) for name in fields if name not in ("count", "lamps_used")}
     return dataclasses.replace(estimate, **{name: interpolated(value) for name, value in changed.items()})

@@ -38,7 +38,8 @@ def test_both_kinds_and_a_saved_file(run, ball, tmp_path):
     code, lines, err = run("B*", "--kind", "lit", "--noise", 50)
     assert code == 0 and lines[0].startswith("Ball: Light: ") and "nothing was saved" in err
     group = ball.active_material.lamina.lateral_group
-    assert [node.label for node in group.nodes if node.type == "TEX_IMAGE"] == ["World", "World by view"]
+    assert [node.label for node in group.nodes if node.type == "TEX_IMAGE"] == [
+        "World", "World by view", "World by view squared"]
 
 
 @pytest.mark.parametrize(("arguments", "code", "words"), [

@@ -8,7 +8,6 @@ from z_limit import z_limit
 
 import lamina
 from lamina import EndMaterial, Interior, Lamp, Surface, Surroundings
-from lamina.common.fresnel import fresnel
 from lamina.common.progress import silent
 from lamina.interior.problem import Problem, Samples, WalkPoints
 from lamina.interior.walk import Walker
@@ -254,19 +253,17 @@ def test_a_disc_behind_a_smooth_boundary():
 
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.3, 0.5), Surface(1.5)])
-def test_slopes_are_those_of_a_fit_over_given_directions(surface):
-    """Least squares of a + b . w over directions w that are cosine-distributed about the normal; behind a smooth
-    boundary, of light divided by the share that the boundary lets out."""
+def test_moments_are_those_of_light_in_given_directions(surface):
+    """Means over directions that are cosine-distributed about the normal."""
     solid, rng = sphere(2.0, 3), np.random.default_rng(5)
     interior = Interior.uniform(EndMaterial((1.0, 1.5, 2.0), 0.2, 0.5))
     places = np.array([[2.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, -2.0, 0.0]])
     lit_by = {"lamps": [Lamp((1.0, 1.0, -0.3), 0.2)], "surface": surface,
               "surroundings": Surroundings(np.linspace(0.0, 3.0, 12).reshape(2, 2, 3))}
     found = lamina.light_in_mesh(solid, interior, points=places, normals=places, samples=30_000, **lit_by)
-    slopes = np.concatenate([found.lamp_slopes.value, found.sky_slope.value[:, None]], axis=1)
-    errors = np.concatenate([found.lamp_slopes.stderr, found.sky_slope.stderr[:, None]], axis=1)
-    assert (np.linalg.norm(slopes, axis=-1) > 3.0 * np.linalg.norm(errors, axis=-1)).mean() > 0.6
-    for place, slope, error in zip(places, slopes, errors, strict=True):
+    moments = [found.lamp_moments.value[:, 0], found.sky_moments.value]
+    errors = [found.lamp_moments.stderr[:, 0], found.sky_moments.stderr]
+    for k, place in enumerate(places):
         normal = place / np.linalg.norm(place)
         up = np.sqrt(rng.random((2000, 1)))
         across = rng.normal(size=(2000, 3))
@@ -274,16 +271,14 @@ def test_slopes_are_those_of_a_fit_over_given_directions(surface):
         w = up * normal + np.sqrt(1.0 - up**2) * across / np.linalg.norm(across, axis=1, keepdims=True)
         seen = lamina.light_in_mesh(solid, interior, points=np.broadcast_to(place, w.shape),
                                     normals=np.broadcast_to(place, w.shape), directions=w, samples=8, **lit_by)
-        assert not seen.lamp_slopes.value.any() and not seen.sky_slope.value.any()
-        terms = np.column_stack([np.ones(len(w)), w])
-        inverse = np.linalg.inv(terms.T @ terms)
-        for source, light in enumerate((seen.lamps.value[:, 0], seen.sky.value)):
-            mean = light.mean(axis=-1) / (1.0 - fresnel(up[:, 0], surface.ior) if surface.is_smooth else 1.0)
-            fit = inverse @ terms.T @ mean
-            rest = terms * (mean - terms @ fit)[:, None]
-            variance = np.diag(inverse @ rest.T @ rest @ inverse)  # White 1980
-            z = (slope[source] - fit[1:]) / np.sqrt(error[source] ** 2 + variance[1:])
-            assert np.abs(z).max() < z_limit(z.size * slopes.shape[0] * slopes.shape[1]), z
+        x, y, z = w.T
+        terms = np.column_stack([w, x * x, y * y, x * y, y * z, z * x])
+        for light, moment, error in zip((seen.lamps.value[:, 0], seen.sky.value), moments, errors, strict=True):
+            wanted = light.mean(axis=-1, keepdims=True) * terms
+            stderr = np.hypot(error[k], wanted.std(axis=0) / np.sqrt(len(w)))
+            require_within_error(moment[k] - wanted.mean(axis=0), stderr, 6)
+        gray = seen.sky.value.mean(axis=-1, keepdims=True)
+        np.testing.assert_allclose(seen.sky_moments.value, gray * terms, atol=1e-12)
 
 
 @pytest.mark.parametrize("surface", [Surface(), Surface(1.3, 0.5)])

@@ -118,7 +118,7 @@ void LitTally::finish() {
 }
 
 void LitTally::add(std::size_t source, const Weights& weights, double factor) {
-  lamina::add(found_[source], weights, factor, slope_);
+  lamina::add(found_[source], weights, factor, view_);
 }
 
 double LitTally::entering(const Lamp& lamp, const LampPoint& point, const Place& place, const Ray& direction,

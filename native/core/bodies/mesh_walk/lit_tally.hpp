@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "mesh_walk/aimed_light.hpp"
-#include "mesh_walk/first_order.hpp"
 #include "mesh_walk/lamp.hpp"
+#include "mesh_walk/light_moments.hpp"
 #include "mesh_walk/mesh_walk.hpp"
 
 namespace lamina {
 
 /// Sums over samples of the radiance that leaves at the start, and of its squares: one entry per lamp, and a last entry
-/// for the surroundings. A sample's radiance is the mean over its paths. In a given direction the slope is 0.
+/// for the surroundings. A sample's radiance is the mean over its paths.
 struct LitSums {
-  std::vector<FirstOrder> sums;
-  std::vector<FirstOrder> squares;
+  std::vector<LightMoments> sums;
+  std::vector<LightMoments> squares;
 
   explicit LitSums(std::size_t lamps) : sums(lamps + 1), squares(lamps + 1) {}
   void add(const LitSums& other);
@@ -49,9 +49,9 @@ class LitTally final : public WalkListener {
   void meets_occluder(const Occluders::Hit& hit, const Weights& weights, Rng& rng) override;
   void meets_boundary(const Meeting& meeting, Rng& rng) override;
 
-  void starts(const Ray& view, const Ray& normal, bool given) override {
+  void starts(const Ray& view) override {
     last_.reset();
-    slope_ = given ? Ray{0.0, 0.0, 0.0} : slope_towards(view, normal, walk_.boundary().passed(view, normal));
+    view_ = view;
   }
   /// Ends a sample.
   void finish();
@@ -75,8 +75,8 @@ class LitTally final : public WalkListener {
   const Surroundings& surroundings_;
   LitSums& sums_;
   WalkCounts& counts_;
-  std::vector<FirstOrder> found_;  ///< light collected by the current sample
-  Ray slope_;                      ///< of the current path's direction to the eye
+  std::vector<LightMoments> found_;  ///< light collected by the current sample
+  Ray view_{};                       ///< the current path's direction to the eye
   std::vector<Aim> aims_;
   std::optional<Scattering> last_;  ///< the last event of the path, if it is a scattering
 };

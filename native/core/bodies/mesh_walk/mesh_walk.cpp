@@ -105,7 +105,7 @@ class MeshWalk::Path {
     if (in.dot(normal) >= 0.0) {  // seen from behind
       return false;
     }
-    listener_.starts(-in, normal, start.view.has_value());
+    listener_.starts(-in);
     double weight = 1.0;
     if (boundary_.kind() == SurfaceBoundary::Kind::kRough) {
       const auto outcome = boundary_.meet(in, normal, rng_);

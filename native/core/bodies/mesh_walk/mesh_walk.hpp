@@ -52,9 +52,8 @@ class WalkListener {
   WalkListener& operator=(const WalkListener&) = delete;
   virtual ~WalkListener() = default;
 
-  /// A path starts at a point of the surface with this normal, backwards from an eye in the direction `view`. `given`:
-  /// the start gives the direction; otherwise the direction is drawn at random.
-  virtual void starts(const Ray& /*view*/, const Ray& /*normal*/, bool /*given*/) {}
+  /// A path starts at a point of the surface, backwards from an eye in the direction `view`.
+  virtual void starts(const Ray& /*view*/) {}
   /// Light leaves the solid. Returns true to follow the light outside until it meets the solid again.
   virtual bool leaves(const Meeting& exit) = 0;
   /// Light that was followed outside does not meet the solid again.

@@ -37,8 +37,7 @@ bool PhotonTally::leaves(const Meeting& exit) {
   if (const std::int32_t point = texels_.at(exit.face, exit.place); point != SurfaceTexels::kNone) {
     const double per_radiance = kChannels * std::numbers::pi * texels_.areas()[static_cast<std::size_t>(point)];
     Deposit deposit{point, {}, {}};
-    const double passed = boundary_.passed(exit.direction, exit.normal);
-    add(deposit.light, exit.weights, 1.0 / per_radiance, slope_towards(exit.direction, texels_.normal(point), passed));
+    add(deposit.light, exit.weights, 1.0 / per_radiance, exit.direction);
     sample_.push_back(deposit);
   }
   return true;

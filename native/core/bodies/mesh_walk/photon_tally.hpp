@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "mesh_walk/first_order.hpp"
+#include "mesh_walk/light_moments.hpp"
 #include "mesh_walk/surface_texels.hpp"
 
 namespace lamina {
@@ -11,8 +11,8 @@ namespace lamina {
 /// Light that a point has got.
 struct Deposit {
   std::int32_t point;
-  FirstOrder light;
-  FirstOrder square;  ///< of the light of a sample
+  LightMoments light;
+  LightMoments square;  ///< of the light of a sample
 };
 
 /// Collects the radiance at the points of a surface where light leaves, for photons of flux 1.

@@ -39,7 +39,7 @@ PhotonSums photons_to_texels(const MeshWalk& walk, const PhotonSource& source, c
     pieces[task] = std::move(piece);
   });
   const std::size_t points = texels.areas().size();
-  PhotonSums found{std::vector<FirstOrder>(points), std::vector<FirstOrder>(points), {}};
+  PhotonSums found{std::vector<LightMoments>(points), std::vector<LightMoments>(points), {}};
   for (const Piece& piece : pieces) {
     for (const Deposit& one : piece.deposits) {
       const auto point = static_cast<std::size_t>(one.point);

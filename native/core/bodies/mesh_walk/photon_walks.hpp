@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "mesh_walk/first_order.hpp"
+#include "mesh_walk/light_moments.hpp"
 #include "mesh_walk/photon_source.hpp"
 #include "mesh_walk/surface_texels.hpp"
 #include "numeric/thread_pool.hpp"
@@ -20,8 +20,8 @@ struct PhotonSamples {
 
 /// Sums over samples of the radiance at each point, and of its squares.
 struct PhotonSums {
-  std::vector<FirstOrder> sums;
-  std::vector<FirstOrder> squares;
+  std::vector<LightMoments> sums;
+  std::vector<LightMoments> squares;
   WalkCounts counts;
 };
 

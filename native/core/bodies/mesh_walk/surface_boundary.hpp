@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The boundary of a solid in air: none, smooth, or rough.
 #pragma once
-#include <algorithm>
 #include <memory>
 
 #include "events/facet_scatter.hpp"
@@ -36,12 +35,6 @@ class SurfaceBoundary {
   /// For a smooth boundary: the direction outside to which light along `in`, from either side, is refracted or
   /// reflected, and its share of the power.
   Outcome leaving(const Ray& in, const Ray& normal) const;
-
-  /// The share of light that a smooth boundary lets out along `out`, outside, at least .001, against division by 0; 1
-  /// for others.
-  double passed(const Ray& out, const Ray& normal) const {
-    return kind_ == Kind::kSmooth ? std::max(enter(-out, normal).weight, 1e-3) : 1.0;
-  }
 
   /// The direction of travel inside of light from `towards`, outside, refracted by a smooth face with this normal.
   Ray inside(const Ray& towards, const Ray& normal) const { return enter(-towards, normal).direction; }

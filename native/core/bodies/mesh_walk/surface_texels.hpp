@@ -28,8 +28,6 @@ class SurfaceTexels {
   static constexpr std::int32_t kNone = -1;
   /// The number of the point that a place on a face belongs to, or kNone.
   std::int32_t at(std::size_t face, const Place& place) const;
-  /// The unit normal at a point.
-  const Ray& normal(std::int32_t point) const { return points_[static_cast<std::size_t>(point)].normal; }
   /// In mm^2, by point.
   const std::vector<double>& areas() const { return areas_; }
 
