@@ -12,6 +12,7 @@ import numpy as np
 
 from ..common.fresnel import fresnel
 from ..interior.problem import Surface
+from .places import frames_about
 
 _COSINES, _AZIMUTHS = 8, 16  # nodes: Gauss-Legendre; at equal distances over a turn
 _RIDGE = 1e-3  # holds factors small that moments hardly determine, as for directions near the horizon
@@ -28,7 +29,7 @@ def exponential(mean: np.ndarray, stderr: np.ndarray, moments: np.ndarray, norma
 
     A conjugate prior stands for noise. It counts like one more path of light that is the same in all directions: bright
     points change little, and light that a few paths have brought depends little on the direction."""
-    frames, rule = _frames(normals)[:, None], _Rule(boundary)
+    frames, rule = frames_about(normals)[:, None], _Rule(boundary)
     first, second = _turned(frames, moments[..., :3], _matrix(moments[..., 3:], mean))
     even = rule.moments(np.zeros((1, 8)))[1][0]
     weight = np.divide(mean, mean**2 + stderr**2, out=np.zeros_like(mean), where=mean > 0.0)[..., None]
@@ -42,14 +43,6 @@ def exponential(mean: np.ndarray, stderr: np.ndarray, moments: np.ndarray, norma
     last = square[..., 2, 2, None]  # z^2 = 1 - x^2 - y^2
     products = (square[..., _ROWS, _COLUMNS] - last * [1.0, 1.0, 0.0, 0.0, 0.0]) / half
     return np.concatenate([linear, products, found[..., 8:] + last], axis=-1)
-
-
-def _frames(normals: np.ndarray) -> np.ndarray:
-    """(points, 3, 3): rows are two tangents and the normal."""
-    aside = np.where(np.abs(normals[:, :1]) < 0.6, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = np.cross(normals, aside)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normals, first), normals], axis=1)
 
 
 def _matrix(products: np.ndarray, trace: np.ndarray) -> np.ndarray:

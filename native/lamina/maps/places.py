@@ -126,3 +126,11 @@ def _texels(mesh: Mesh, uvs, size) -> Places:
     mask[mask] = lengths > 0.0
     points = Points(points.positions[lengths > 0.0], points.normals[lengths > 0.0])
     return Places(points, mask, mesh.triangles, notes)
+
+
+def frames_about(normals: np.ndarray) -> np.ndarray:
+    """(n, 3, 3): rows are two tangents and the unit normal."""
+    aside = np.where(np.abs(normals[:, :1]) < 0.6, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    tangent = np.cross(normals, aside)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    return np.stack([tangent, np.cross(normals, tangent), normals], axis=1)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..interior.grid import Interior
 from ..walks.searchlight_moments import Measured
-from .places import Places
+from .places import Places, frames_about
 
 REACH = 4  # texels: windows are 9 texels wide
 DEPTHS = (0.5, 2.0, 6.0)  # of the guides, in transport mean free paths
@@ -94,9 +94,7 @@ def _guides(places: Places, interior: Interior) -> np.ndarray:
     g = _mean_g(interior)
     scatterings, absorptions = interior.at(positions)
     path = float(np.median(1.0 / np.maximum(scatterings * (1.0 - g) + absorptions, 1e-9)))
-    first = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.6, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(normals, first)
+    first, second, _ = frames_about(normals).swapaxes(0, 1)
     found = []
     for depth in DEPTHS:
         total = np.zeros(len(positions))
