@@ -27,9 +27,10 @@ def shows_layers(material):
     return chosen(material) != "VEINS"
 
 
-def choose(material, depth):
+def choose(material, depth, lamps_move=False):
     """Choose the depth of a material with layers. Until the artist chooses an output, Exact and Veins compute
-    the output LIT, which is nearest to the truth, and Soft chooses automatically."""
+    the output LIT, which is nearest to the truth, or RELIGHTABLE if lamps move; and Soft chooses
+    automatically."""
     settings, interior = material.lamina, material.lamina.interior
     settings.depth = depth
     if depth == "SURFACE" and node_group.shows_lateral(material) and settings.node_group is not None:
@@ -40,6 +41,6 @@ def choose(material, depth):
         interior.source = "MARBLE"
     is_new = not interior.is_property_set("output") and not interior.report
     if depth in ("EXACT", "VEINS") and is_new:
-        interior.output = "LIT"
+        interior.output = "RELIGHTABLE" if lamps_move else "LIT"
     if depth == "SOFT" and not settings.is_property_set("lateral") and not settings.lateral_report:
         settings.lateral = AUTOMATIC

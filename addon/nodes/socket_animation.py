@@ -3,7 +3,7 @@
 
 from contextlib import contextmanager
 
-import bpy
+from ..base import f_curves
 
 VALUE = "default_value"
 
@@ -15,7 +15,9 @@ _KEY = ("co", "interpolation", "easing", "back", "amplitude", "period", "type", 
 def is_animated(socket):
     """True if F-curves or drivers set the value of `socket`."""
     animation = socket.id_data.animation_data
-    return animation is not None and bool(_of(_curves(animation), socket) or _of(animation.drivers, socket))
+    if animation is None:
+        return False
+    return bool(_of(f_curves.of_active(animation), socket) or _of(animation.drivers, socket))
 
 
 def copy(given, target):
@@ -26,7 +28,7 @@ def copy(given, target):
     if animation is None:
         return
     path = target.path_from_id(VALUE)
-    curves = _curves(animation)
+    curves = f_curves.of_active(animation)
     for curve in _of(curves, given):
         _copy_curve(curve, curves.new(path, index=curve.array_index))
     for driver in _of(animation.drivers, given):
@@ -64,7 +66,7 @@ def _move(node, paths):
     animation = node.id_data.animation_data
     if animation is None:
         return
-    for curves in (*_all_curves(animation), animation.drivers):
+    for curves in (*f_curves.of_all(animation), animation.drivers):
         for curve in [one for one in curves if one.data_path in paths]:
             path = paths[curve.data_path]
             if path is None:
@@ -73,33 +75,9 @@ def _move(node, paths):
                 curve.data_path = path
 
 
-def _all_curves(animation):
-    """The collections of F-curves of the active action and of the actions in strips."""
-    strips = [strip for track in animation.nla_tracks for strip in track.strips if strip.action]
-    found = {}
-    # Strips may share an action, whose curves must not follow twice.
-    for one in (animation, *strips):
-        if one.action is not None:
-            found[one.action.session_uid, getattr(one, "action_slot_handle", 0)] = _curves(one)
-    return [one for one in found.values() if one]
-
-
 def _of(curves, socket):
     path = socket.path_from_id(VALUE)
     return [curve for curve in curves if curve.data_path == path]
-
-
-def _curves(animation):
-    """The F-curves of the action of animation data or of a strip."""
-    action = animation.action
-    if action is None:
-        return ()
-    if bpy.app.version < (4, 4, 0):
-        return action.fcurves
-    # From Blender 4.4 on, each user of an action has a slot with curves of its own.
-    bags = [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags
-            if bag.slot_handle == animation.action_slot_handle]
-    return bags[0].fcurves if bags else ()
 
 
 def _copy_curve(curve, new):

@@ -4,6 +4,7 @@
 import bpy
 
 from ..editing import depth
+from ..interior import motion
 from ..properties.material_properties import DEPTHS
 from . import common
 
@@ -27,5 +28,7 @@ class LAMINA_OT_depth(bpy.types.Operator):
         return common.has_stack(cls, context)
 
     def execute(self, context):
-        depth.choose(common.material_of(context), self.depth)
+        obj = context.object
+        lamps_move = obj is not None and obj.type == "MESH" and bool(motion.moving_lamps(context, obj))
+        depth.choose(common.material_of(context), self.depth, lamps_move)
         return {"FINISHED"}

@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import messages, native
-from ..interior import body, contents, freshness, interior_job
+from ..interior import body, contents, freshness, interior_job, motion
 from ..kinds import interiors
 from ..nodes import node_group
 from . import trial_fields
@@ -62,6 +62,8 @@ def draw(context, layout):
         _draw_mend(layout, obj, material)
     elif is_shown and (stale := freshness.stale(context, obj, material)):
         draw_sentence(context, layout, stale, "ERROR")
+    elif moving := motion.sentence(context, obj, settings):
+        draw_sentence(context, layout, moving, "INFO")
     elif coarse := contents.too_coarse(context, obj, settings):
         draw_sentence(context, layout, coarse)
     if settings.report and is_shown:

@@ -41,9 +41,9 @@ def values(material):
 
 
 def curves(tree):
-    from bl_ext.user_default.lamina.nodes import socket_animation
+    from bl_ext.user_default.lamina.base import f_curves
 
-    return {curve.data_path: curve.evaluate(1) for curve in socket_animation._curves(tree.animation_data)}
+    return {curve.data_path: curve.evaluate(1) for curve in f_curves.of_active(tree.animation_data)}
 
 
 def test_links_and_values_stay(group_of, stone):
@@ -101,9 +101,9 @@ def test_animation_in_strips(group_of, stone):
         strip.action_slot = animation.action_slot
     animation.action = None
     group_of(stone, {"World": 0.5})
-    from bl_ext.user_default.lamina.nodes import socket_animation
+    from bl_ext.user_default.lamina.base import f_curves
 
-    paths = [curve.data_path for curve in socket_animation._curves(strip)]
+    paths = [curve.data_path for curve in f_curves.of_active(strip)]
     assert paths == [node_of(stone).inputs["World Strength"].path_from_id("default_value")]
 
 

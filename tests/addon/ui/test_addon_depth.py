@@ -3,6 +3,7 @@
 
 import bpy
 import pytest
+from addon_helpers import icosphere
 
 
 @pytest.fixture
@@ -40,6 +41,17 @@ def test_each_choice(deep, call):
     interior.source = "NODES"
     assert choose(deep, call, "VEINS").source == "NODES"
     assert choose(deep, call, "EXACT").source == "LAYERS"
+
+
+def test_exact_below_lamps_that_move(addon, deep, call):
+    """Maps that lamps may move over, in place of light maps."""
+    body = bpy.data.objects.new("Body", icosphere("Body", 1.0))
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    for one in (body, sun):
+        bpy.context.scene.collection.objects.link(one)
+    sun.keyframe_insert("rotation_euler", frame=1)
+    with bpy.context.temp_override(object=body):
+        assert choose(deep, call, "EXACT").output == "RELIGHTABLE"
 
 
 def test_an_output_that_was_computed_stays(deep, call):

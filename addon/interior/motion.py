@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What moves in the animation: images of an interior hold one shape, and those of LIT one moment of its light."""
+
+from ..base import f_curves
+from . import lamps, seen
+
+PLACES = ("location", "rotation", "scale", "delta_", "pose.bones")  # how the data paths of motion begin
+# Modifiers that change the shape in time by themselves; others do so if their object moves.
+SIMULATIONS = {"CLOTH", "SOFT_BODY", "OCEAN", "WAVE", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "FLUID", "EXPLODE"}
+FOLLOWING = {"ARMATURE", "LATTICE", "HOOK", "CURVE", "MESH_DEFORM", "CAST", "SIMPLE_DEFORM"}
+
+
+def sentence(context, obj, settings):
+    """What images with these settings do not follow, and the remedy; or ''."""
+    if deforms(obj):
+        remedy = ": choose Soft" if settings.source == "LAYERS" else ""
+        return f"{obj.name} deforms in the animation, but images fit one shape{remedy}"
+    if settings.output != "LIT":
+        return ""
+    if moving := moving_lamps(context, obj):
+        return f"{moving[0]} moves against {obj.name} in the animation: choose Lamps May Move"
+    camera = context.scene.camera
+    if settings.view == "CAMERA" and camera is not None and _movers(camera) != _movers(obj):
+        return "The camera moves in the animation: choose the view All"
+    return ""
+
+
+def moving_lamps(context, obj):
+    """Names of the lamps that light the object and move against it."""
+    own = _movers(obj)
+    return [one.name for one in seen.objects(context.view_layer.layer_collection)
+            if one.type == "LIGHT" and _movers(one) != own and lamps.shines(one, obj)]
+
+
+def deforms(obj):
+    """True if the mesh of the object changes its shape in the animation."""
+    keys = obj.data.shape_keys
+    return (keys is not None and bool(_paths(keys))
+            or any(path.startswith("modifiers") for path in _paths(obj))
+            or any(_deforms(one) for one in obj.modifiers if one.show_render))
+
+
+def _deforms(modifier):
+    if modifier.type in SIMULATIONS:
+        return True
+    return modifier.type in FOLLOWING and bool(_movers(getattr(modifier, "object", None)))
+
+
+def _movers(obj):
+    """Those of the object and its parents that move by themselves."""
+    found = set()
+    while obj is not None:
+        is_animated = any(path.startswith(PLACES) for path in _paths(obj))
+        if is_animated or any(not one.mute for one in obj.constraints):
+            found.add(obj)
+        obj = obj.parent
+    return found
+
+
+def _paths(block):
+    """The data paths that F-curves and drivers of a data-block set."""
+    animation = block.animation_data
+    if animation is None:
+        return []
+    return [one.data_path for curves in (*f_curves.of_all(animation), animation.drivers) for one in curves]
