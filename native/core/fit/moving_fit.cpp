@@ -30,81 +30,79 @@ constexpr std::size_t kStarts = 4;  // sets of starts that are tried
 // Weight of the squared relative error of the albedo against the squared relative L2 error.
 constexpr double kAlbedoWeight = 10.0;
 
+// All residuals are sums of a few columns over the light: closures, lobes, and the slices. Their products give the fit.
 class ViewFit {
  public:
   ViewFit(const ViewSlices& view, const LightDirections& light, const VectorXd& solid_angle,
           const MovingFitOptions& options)
-      : view_(view), light_(light), options_(options), lobes_(options.lobes), root_(solid_angle.cwiseSqrt()) {
-    const Index broad = view.broad.cols();
-    basis_.resize(solid_angle.size(), broad + lobes_);
-    basis_.leftCols(broad) = root_.asDiagonal() * view.broad;
-    targets_ = root_.asDiagonal() * view.slices;
-    for (Index c = 0; c < targets_.cols(); ++c)
-      if (const double norm = targets_.col(c).norm(); norm > 0.0) targets_.col(c) /= norm;
-    albedo_ = (targets_.transpose() * root_).eval();
-  }
-
-  // What the best weights leave of each channel's slice, relative to the slice: [light and albedo, channel] as one
-  // vector.
-  VectorXd residual(const VectorXd& p) {
-    const Index lights = root_.size();
-    const Index broad = view_.broad.cols();
-    const Index unknowns = options_.family->unknowns();
-    for (int k = 0; k < lobes_; ++k) {
-      // A difference quotient changes one lobe at a time
-      if (shown_.size() == p.size() && shown_.segment(k * unknowns, unknowns) == p.segment(k * unknowns, unknowns))
-        continue;
-      options_.family->values(p.data() + k * unknowns, view_.mu_o, view_.phi_o, light_, value_);
-      basis_.col(broad + k) = root_.cwiseProduct(value_);
-    }
-    shown_ = p;
-    const Index count = basis_.cols();
-    MatrixXd gram = basis_.transpose() * basis_;
-    const VectorXd scale = gram.diagonal().cwiseSqrt().cwiseMax(1e-300);
-    const VectorXd reach = (basis_.transpose() * root_).cwiseQuotient(scale);
-    gram = scale.cwiseInverse().asDiagonal() * gram * scale.cwiseInverse().asDiagonal();
-    MatrixXd right = scale.cwiseInverse().asDiagonal() * (basis_.transpose() * targets_);
-    VectorXd left((lights + 1) * targets_.cols());
-    for (Index c = 0; c < targets_.cols(); ++c) {
-      const double weight = albedo_[c] > 0.0 ? kAlbedoWeight / (albedo_[c] * albedo_[c]) : 0.0;
-      SmallMatrix matrix = gram + weight * reach * reach.transpose();
-      SmallVector rhs = right.col(c) + weight * albedo_[c] * reach;
-      SmallVector x = SmallVector::Zero(count);
-      ActiveSet(matrix, rhs).solve(x);
-      left.segment(c * (lights + 1), lights) = targets_.col(c) - basis_ * x.cwiseQuotient(SmallVector(scale));
-      left[c * (lights + 1) + lights] = std::sqrt(weight) * (albedo_[c] - reach.dot(x));
-    }
-    return left;
+      : view_(view),
+        light_(light),
+        options_(options),
+        broad_(view.broad.cols()),
+        channels_(view.slices.cols()),
+        fixed_(broad_ + channels_ + 1),
+        root_(solid_angle.cwiseSqrt()) {
+    columns_.resize(root_.size(), fixed_);
+    columns_ << root_.asDiagonal() * view.broad, root_.asDiagonal() * view.slices, root_;
+    for (Index c = broad_; c < broad_ + channels_; ++c)
+      if (const double norm = columns_.col(c).norm(); norm > 0.0) columns_.col(c) /= norm;
+    multiply(0);
   }
 
   // Minimises the residual and the distance to `prior`, from `p` on. `stiffness`: for each unknown.
   VectorXd minimise(VectorXd p, const VectorXd& prior, const VectorXd& stiffness, int iterations,
                     const VectorXd* centre) {
+    const Index unknowns = options_.family->unknowns();
+    const Index lobes = options_.lobes;
+    std::vector<Index> closures(static_cast<std::size_t>(broad_ + lobes));
+    std::iota(closures.begin(), closures.begin() + broad_, 0);
+    std::iota(closures.begin() + broad_, closures.end(), fixed_);
+    const VectorXd stiff2 = stiffness.cwiseAbs2();
+    const auto reached = [&](const MatrixXd& left, const VectorXd& at) {
+      return squared(left) + stiff2.dot((at - prior).cwiseAbs2());
+    };
     clamp(p, centre);
-    VectorXd left = residual(p);
-    double objective = left.squaredNorm() + stiffness.cwiseProduct(p - prior).squaredNorm();
+    MatrixXd left = left_by(p, closures);
+    double objective = reached(left, p);
     double damping = 1e-2;
     for (int pass = 0; pass < iterations; ++pass) {
-      MatrixXd slope(left.size(), p.size());
+      // Difference quotients, with a column for each changed lobe
+      const Index first = fixed_ + lobes;
+      columns_.conservativeResize(Eigen::NoChange, first + p.size());
+      VectorXd steps(p.size());
       for (Index k = 0; k < p.size(); ++k) {
         VectorXd q = p;
         q[k] += q[k] > 0.0 ? -kStep : kStep;
-        slope.col(k) = (residual(q) - left) / (q[k] - p[k]);
+        steps[k] = q[k] - p[k];
+        show(q.data() + k / unknowns * unknowns, first + k);
       }
-      const MatrixXd normal = slope.transpose() * slope + MatrixXd(stiffness.cwiseProduct(stiffness).asDiagonal());
-      const VectorXd down = slope.transpose() * left + stiffness.cwiseProduct(stiffness).cwiseProduct(p - prior);
+      multiply(first);
+      left.conservativeResizeLike(MatrixXd::Zero(columns_.cols(), channels_));
+      std::vector<MatrixXd> slopes(static_cast<std::size_t>(channels_), MatrixXd(columns_.cols(), p.size()));
+      for (Index k = 0; k < p.size(); ++k) {
+        std::vector<Index> changed = closures;
+        changed[static_cast<std::size_t>(broad_ + k / unknowns)] = first + k;
+        const MatrixXd slope = (left_by(changed) - left) / steps[k];
+        for (Index c = 0; c < channels_; ++c) slopes[static_cast<std::size_t>(c)].col(k) = slope.col(c);
+      }
+      MatrixXd normal = stiff2.asDiagonal();
+      VectorXd down = stiff2.cwiseProduct(p - prior);
+      for (Index c = 0; c < channels_; ++c) {
+        const MatrixXd weighted = slopes[static_cast<std::size_t>(c)].transpose() * products(c);
+        normal += weighted * slopes[static_cast<std::size_t>(c)];
+        down += weighted * left.col(c);
+      }
+      columns_.conservativeResize(Eigen::NoChange, first);
       const double before = objective;
       for (int trial = 0; trial < 5; ++trial) {
         MatrixXd damped = normal;
         damped.diagonal() += damping * (normal.diagonal().array() + 1e-6).matrix();
         VectorXd q = p - damped.ldlt().solve(down).cwiseMin(1.0).cwiseMax(-1.0);
         clamp(q, centre);
-        const VectorXd tried = residual(q);
-        const double reached = tried.squaredNorm() + stiffness.cwiseProduct(q - prior).squaredNorm();
-        if (reached < objective) {
+        left = left_by(q, closures);
+        if (const double next = reached(left, q); next < objective) {
           p = q;
-          left = tried;
-          objective = reached;
+          objective = next;
           damping = std::max(damping * 0.2, 1e-6);
           break;
         }
@@ -124,19 +122,27 @@ class ViewFit {
   std::vector<VectorXd> starts(double& gain) {
     const std::vector<VectorXd> ladder = options_.family->starts(options_.retro);
     const Index size = options_.family->unknowns();
-    std::vector<std::size_t> rung(static_cast<std::size_t>(lobes_));
+    columns_.conservativeResize(Eigen::NoChange, fixed_ + static_cast<Index>(ladder.size()));
+    for (std::size_t k = 0; k < ladder.size(); ++k) show(ladder[k].data(), fixed_ + static_cast<Index>(k));
+    multiply(fixed_);
+    std::vector<Index> closures(static_cast<std::size_t>(broad_));
+    std::iota(closures.begin(), closures.end(), 0);
+    gain = squared(left_by(closures));
+    closures.resize(closures.size() + static_cast<std::size_t>(options_.lobes));
+    std::vector<std::size_t> rung(static_cast<std::size_t>(options_.lobes));
     std::iota(rung.begin(), rung.end(), 0);
     std::vector<std::pair<double, VectorXd>> found;
     for (bool is_last = false; !is_last;) {
-      VectorXd p(lobes_ * size);
-      for (int k = 0; k < lobes_; ++k) p.segment(k * size, size) = ladder[rung[static_cast<std::size_t>(k)]];
-      found.emplace_back(residual(p).squaredNorm(), p);
+      VectorXd p(options_.lobes * size);
+      for (std::size_t k = 0; k < rung.size(); ++k) {
+        p.segment(static_cast<Index>(k) * size, size) = ladder[rung[k]];
+        closures[static_cast<std::size_t>(broad_) + k] = fixed_ + static_cast<Index>(rung[k]);
+      }
+      found.emplace_back(squared(left_by(closures)), p);
       is_last = !next(rung, ladder.size());
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    MovingFitOptions none = options_;
-    none.lobes = 0;
-    gain = ViewFit(view_, light_, root_.cwiseAbs2(), none).residual({}).squaredNorm() - found.front().first;
+    gain -= found.front().first;
     found.resize(std::min<std::size_t>(found.size(), kStarts));
     std::vector<VectorXd> best;
     for (auto& [reached, p] : found) best.push_back(std::move(p));
@@ -144,6 +150,58 @@ class ViewFit {
   }
 
  private:
+  // Makes a column that of a lobe.
+  void show(const double* p, Index column) {
+    options_.family->values(p, view_.mu_o, view_.phi_o, light_, columns_.col(column));
+    columns_.col(column).array() *= root_.array();
+  }
+
+  // Products of columns, up to date for those before `first`.
+  void multiply(Index first) {
+    const Index count = columns_.cols();
+    products_.conservativeResize(count, count);
+    products_.rightCols(count - first).noalias() = columns_.transpose() * columns_.rightCols(count - first);
+    products_.bottomLeftCorner(count - first, first) = products_.topRightCorner(first, count - first).transpose();
+  }
+
+  // With the products of albedos.
+  [[nodiscard]] MatrixXd products(Index c) const {
+    const auto albedo = products_.col(fixed_ - 1);
+    const double own = albedo[broad_ + c];
+    const double weight = own > 0.0 ? kAlbedoWeight / (own * own) : 0.0;
+    return products_ + weight * albedo * albedo.transpose();
+  }
+
+  // What the best weights of some columns leave of each channel's slice, relative to the slice, as a sum of columns:
+  // [column, channel].
+  [[nodiscard]] MatrixXd left_by(const std::vector<Index>& closures) const {
+    MatrixXd left = MatrixXd::Zero(columns_.cols(), channels_);
+    for (Index c = 0; c < channels_; ++c) {
+      const MatrixXd every = products(c);
+      SmallMatrix gram = every(closures, closures);
+      const SmallVector scale = gram.diagonal().cwiseSqrt().cwiseMax(1e-150).cwiseInverse();
+      gram = scale.asDiagonal() * gram * scale.asDiagonal();
+      const SmallVector right = every.col(broad_ + c)(closures).cwiseProduct(scale);
+      SmallVector x = SmallVector::Zero(right.size());
+      ActiveSet(gram, right).solve(x);
+      left(broad_ + c, c) = 1.0;
+      left.col(c)(closures) = -x.cwiseProduct(scale);
+    }
+    return left;
+  }
+  [[nodiscard]] MatrixXd left_by(const VectorXd& p, const std::vector<Index>& closures) {
+    columns_.conservativeResize(Eigen::NoChange, fixed_ + options_.lobes);
+    for (Index k = 0; k < options_.lobes; ++k) show(p.data() + k * options_.family->unknowns(), fixed_ + k);
+    multiply(fixed_);
+    return left_by(closures);
+  }
+
+  [[nodiscard]] double squared(const MatrixXd& left) const {
+    double sum = 0.0;
+    for (Index c = 0; c < channels_; ++c) sum += left.col(c).dot(products(c) * left.col(c));
+    return sum;
+  }
+
   // The next set of ascending rungs of the ladder; false after the last one.
   static bool next(std::vector<std::size_t>& rung, std::size_t rungs) {
     const std::size_t count = rung.size();
@@ -160,20 +218,20 @@ class ViewFit {
     const double most = options_.most_change;
     if (centre != nullptr)
       p = p.cwiseMax((centre->array() - most).matrix()).cwiseMin((centre->array() + most).matrix());
-    for (int k = 0; k < lobes_; ++k) options_.family->clamp(p.data() + k * options_.family->unknowns(), view_.mu_o);
+    for (int k = 0; k < options_.lobes; ++k)
+      options_.family->clamp(p.data() + k * options_.family->unknowns(), view_.mu_o);
   }
 
   const ViewSlices& view_;
   const LightDirections& light_;
   const MovingFitOptions& options_;
-  int lobes_;
+  Index broad_;
+  Index channels_;
+  Index fixed_;  // columns before those of lobes
   VectorXd root_;
-  MatrixXd basis_;    // times the root of the solid angle
-  MatrixXd targets_;  // of norm 1
-  VectorXd albedo_;
+  MatrixXd columns_;  // broad closures, slices of norm 1, ones and lobes, times the root of the solid angle
+  MatrixXd products_;
   double reached_ = 0.0;
-  VectorXd value_ = VectorXd(root_.size());
-  VectorXd shown_;  // the unknowns of the lobes in the basis
 };
 
 struct RowFit {

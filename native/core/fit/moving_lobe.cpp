@@ -10,7 +10,6 @@
 
 namespace lamina {
 
-using Eigen::ArrayXd;
 using Eigen::Index;
 
 LightDirections::LightDirections(const Eigen::Ref<const Eigen::VectorXd>& mu,
@@ -55,20 +54,19 @@ void MovingLobe::values(const LightDirections& light, Eigen::Ref<Eigen::VectorXd
     out.setZero();
     return;
   }
-  // The light in the frame of the tilted normal
-  const ArrayXd x = light.x * cos_tilt_ - light.z * sin_tilt_;
-  const ArrayXd z = light.x * sin_tilt_ + light.z * cos_tilt_;
-  const ArrayXd y2 = light.y.square();
-  const ArrayXd above = z.max(1e-9);
-  const ArrayXd slope2 = ((alpha_x_ * x).square() + alpha_y_ * alpha_y_ * y2) / above.square();
-  const ArrayXd masking = 1.0 + lambda_view_ + 0.5 * ((1.0 + slope2).sqrt() - 1.0);
+  // The light in the frame of the tilted normal, without temporary arrays
+  const auto x = light.x * cos_tilt_ - light.z * sin_tilt_;
+  const auto y2 = light.y.square();
+  const auto z = (light.x * sin_tilt_ + light.z * cos_tilt_).max(0.0);
+  const auto across2 = (alpha_x_ * x).square() + alpha_y_ * alpha_y_ * y2;
+  const auto masking = (0.5 + lambda_view_) * z + 0.5 * (z.square() + across2).sqrt();  // times z
   // GGX's distribution at the half vector
-  const ArrayXd half_x = view_x_ + x;
-  const ArrayXd half_z = view_z_ + above;
-  const ArrayXd length2 = half_x.square() + y2 + half_z.square();
-  const ArrayXd stretched = (half_x / alpha_x_).square() + y2 / (alpha_y_ * alpha_y_) + half_z.square();
+  const auto half_x = view_x_ + x;
+  const auto half_z2 = (view_z_ + z).square();
+  const auto length2 = half_x.square() + y2 + half_z2;
+  const auto stretched = (1.0 / alpha_x_ * half_x).square() + 1.0 / (alpha_y_ * alpha_y_) * y2 + half_z2;
   const double scale = 1.0 / (4.0 * view_z_ * std::numbers::pi * alpha_x_ * alpha_y_);
-  out = (z > 0.0).select(scale * (length2 / stretched).square() / masking, 0.0).matrix();
+  out = (scale * length2.square() * z / (stretched.square() * masking)).matrix();
 }
 
 double MovingLobe::reflected(const Chord& chord, double along) const {

@@ -12,7 +12,6 @@
 
 namespace lamina {
 
-using Eigen::ArrayXd;
 using Eigen::Index;
 
 OrientedLobe::OrientedLobe(const OrientedShape& shape, double mu_o, double phi_o) {
@@ -35,7 +34,7 @@ OrientedLobe::OrientedLobe(const OrientedShape& shape, double mu_o, double phi_o
 }
 
 double OrientedLobe::lambda(const Vector& direction) const {
-  const double across = std::hypot(alpha_x_ * direction.x(), alpha_y_ * direction.y()) / direction.z();
+  const double across = Eigen::Vector2d(alpha_x_ * direction.x(), alpha_y_ * direction.y()).norm() / direction.z();
   return 0.5 * (std::sqrt(1.0 + across * across) - 1.0);
 }
 
@@ -44,23 +43,23 @@ void OrientedLobe::values(const LightDirections& light, Eigen::Ref<Eigen::Vector
     out.setZero();
     return;
   }
-  const auto along = [&](Index axis) -> ArrayXd {
+  // Without temporary arrays
+  const auto along = [&](Index axis) {
     return axes_(axis, 0) * light.x + axes_(axis, 1) * light.y + axes_(axis, 2) * light.z;
   };
-  const ArrayXd x = along(0);
-  const ArrayXd y = along(1);
-  const ArrayXd z = along(2);
-  const ArrayXd above = z.max(1e-9);
-  const ArrayXd slope2 = ((alpha_x_ * x).square() + (alpha_y_ * y).square()) / above.square();
-  const ArrayXd masking = 1.0 + lambda_view_ + 0.5 * ((1.0 + slope2).sqrt() - 1.0);
+  const auto x = along(0);
+  const auto y = along(1);
+  const auto z = along(2).max(0.0);
+  const auto across2 = (alpha_x_ * x).square() + (alpha_y_ * y).square();
+  const auto masking = (0.5 + lambda_view_) * z + 0.5 * (z.square() + across2).sqrt();  // times z
   // GGX's distribution at the half vector
-  const ArrayXd half_x = view_.x() + x;
-  const ArrayXd half_y = view_.y() + y;
-  const ArrayXd half_z = view_.z() + above;
-  const ArrayXd length2 = half_x.square() + half_y.square() + half_z.square();
-  const ArrayXd stretched = (half_x / alpha_x_).square() + (half_y / alpha_y_).square() + half_z.square();
+  const auto half_x = view_.x() + x;
+  const auto half_y = view_.y() + y;
+  const auto half_z2 = (view_.z() + z).square();
+  const auto length2 = half_x.square() + half_y.square() + half_z2;
+  const auto stretched = (1.0 / alpha_x_ * half_x).square() + (1.0 / alpha_y_ * half_y).square() + half_z2;
   const double scale = 1.0 / (4.0 * view_.z() * std::numbers::pi * alpha_x_ * alpha_y_);
-  out = (z > 0.0).select(scale * (length2 / stretched).square() / masking, 0.0).matrix();
+  out = (scale * length2.square() * z / (stretched.square() * masking)).matrix();
 }
 
 double OrientedLobe::reflected(const Chord& chord, double along) const {
