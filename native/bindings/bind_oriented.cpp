@@ -3,6 +3,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <utility>
+
 #include "bindings.hpp"
 #include "oriented/oriented_evaluation.hpp"
 #include "oriented/oriented_slices.hpp"
@@ -11,8 +13,8 @@ namespace py = pybind11;
 
 namespace {
 
-std::tuple<Eigen::MatrixXd, Eigen::VectorXd, Eigen::VectorXd> parts_of(const lamina::OrientedSlices& found) {
-  return {found.values.transpose(), found.albedo, found.mirrored};
+std::tuple<Eigen::MatrixXf, Eigen::VectorXd, Eigen::VectorXd> parts_of(lamina::OrientedSlices found) {
+  return {std::move(found.values), std::move(found.albedo), std::move(found.mirrored)};
 }
 
 }  // namespace
@@ -41,7 +43,7 @@ void lamina::bind_oriented(py::module_& module) {
             return parts_of(oriented_slices(solution, OrientedGrid{mu_o, phi_o, mu_i, dphi}, pool));
           },
           py::arg("mu_o"), py::arg("phi_o"), py::arg("mu_i"), py::arg("dphi"), py::arg("pool"), unlocked,
-          "(f mu_i [view, light], albedo [view], specular reflectance [view]), see oriented_slices")
+          "(f mu_i [light, view], albedo [view], specular reflectance [view]), see oriented_slices")
       .def("with_top_thickness", &OrientedSolution::with_top_thickness, py::arg("tau"), py::arg("pool"), unlocked)
       .def("diffuse_fluxes", &oriented_diffuse_fluxes, py::arg("side"), py::arg("pool"), unlocked);
   py::class_<SlicesBelowMedium>(module, "SlicesBelowMedium")

@@ -70,6 +70,16 @@ double lambda_at(Facets::Distribution distribution, double slope) {
   return 0.5 * (std::erf(a) - 1.0 + std::exp(-a * a) / (a * std::sqrt(pi)));
 }
 
+/// The horizontal part of a direction along and across a tangent. Solves turn the facets to the angle 0.
+Eigen::Vector2d in_tangents(double angle, double x, double y) {
+  if (angle == 0.0) {
+    return {x, y};
+  }
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return {c * x + s * y, c * y - s * x};
+}
+
 /// Masking between one direction and many, of reflected or of refracted light.
 ArrayXd masking(const Facets& facets, double mu, const ArrayXd& others, bool refracted) {
   const double own = facets.lambda(mu);
@@ -150,10 +160,9 @@ double Facets::density(double h) const {
 double Facets::lambda(double mu) const { return lambda_at(distribution, alpha * sine(mu) / mu); }
 
 double Facets::density(double x, double y, double z) const {
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
-  const double along = (c * x + s * y) / alpha;
-  const double aside = (c * y - s * x) / across();
+  const Eigen::Vector2d own = in_tangents(angle, x, y);
+  const double along = own.x() / alpha;
+  const double aside = own.y() / across();
   const double square = along * along + aside * aside;
   const double area = pi * alpha * across();
   if (distribution == Distribution::kGgx) {
@@ -164,9 +173,8 @@ double Facets::density(double x, double y, double z) const {
 }
 
 double Facets::lambda(double x, double y, double z) const {
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
-  return lambda_at(distribution, std::hypot(alpha * (c * x + s * y), across() * (c * y - s * x)) / z);
+  const Eigen::Vector2d own = in_tangents(angle, x, y);
+  return lambda_at(distribution, Eigen::Vector2d(alpha * own.x(), across() * own.y()).norm() / z);
 }
 
 double Facets::masking(double mu_o, double mu_i) const { return masked(lambda(mu_o), lambda(mu_i)); }

@@ -38,10 +38,19 @@ BeamSet::BeamSet(const OrientedSolution& solution, const std::vector<Beam>& beam
     beams_.push_back({target, beam.phi - solution.frame(), beam.below});
   }
   const std::vector<Directions>& gaps = paths_.gaps();
-  scattered_ = solution.dark(static_cast<Index>(beams_.size()));
+  scattered_ = solution.dark(0);
+  for (std::size_t layer = 0; layer <= solution.stack().layers.size(); ++layer) {
+    if (solution.surface(layer) != nullptr || (layer == gaps.size() - 1 && solution.stack().base.is_diffuse())) {
+      open(layer);
+    }
+  }
   lost_.assign(solution.stack().layers.size() + 1, std::vector<std::array<double, 2>>(beams_.size()));
   for (std::size_t k = 0; k < solution.media().scatterers().size(); ++k) {
-    media_.emplace_back(solution.media(), k, gaps[solution.media().scatterers()[k].layer], solution.azimuths().orders);
+    const Solution::Scatterer& own = solution.media().scatterers()[k];
+    media_.emplace_back(solution.media(), k, gaps[own.layer], solution.azimuths().orders);
+    if (own.medium.tau > 0.0) {
+      open(own.layer);
+    }
   }
   pool.run(beams_.size(), [&](std::size_t beam) {
     for (std::size_t layer = 0; layer <= solution.stack().layers.size(); ++layer) {
@@ -63,16 +72,28 @@ BeamSet::BeamSet(const OrientedSolution& solution, const BeamSet& bare, ThreadPo
       scattered_(bare.scattered_) {
   media_.front() = MediumOnTargets(solution.media(), 0, paths_.gaps().front(), solution.azimuths().orders);
   const VectorXd through = direct_transmissions(cosines_, solution.media().scatterers().front().medium.tau);
-  pool.run(beams_.size(), [&](std::size_t beam) {
-    for (auto* gaps : {&scattered_.up, &scattered_.down}) {
-      for (std::vector<MatrixXd>& block : *gaps) {
-        for (MatrixXd& gap : block) {
-          gap.col(static_cast<Index>(beam)) *= through[beams_[beam].target];
+  for (auto* gaps : {&scattered_.up, &scattered_.down}) {
+    for (std::vector<MatrixXd>& block : *gaps) {
+      for (MatrixXd& gap : block) {
+        for (Index beam = 0; beam < gap.cols(); ++beam) {
+          gap.col(beam) *= through[beams_[static_cast<std::size_t>(beam)].target];
         }
       }
     }
-    add_medium(0, media_.front(), beam);
-  });
+  }
+  open(0);
+  pool.run(beams_.size(), [&](std::size_t beam) { add_medium(0, media_.front(), beam); });
+}
+
+/// Makes place for the light that a layer or the base scatters.
+void BeamSet::open(std::size_t layer) {
+  const auto zero = [&](MatrixXd& gap) { gap.setZero(gap.rows(), static_cast<Index>(beams_.size())); };
+  for (std::size_t block = 0; block < scattered_.up.size(); ++block) {
+    zero(scattered_.up[block][layer]);
+    if (layer < solution_.stack().layers.size()) {
+      zero(scattered_.down[block][layer + 1]);
+    }
+  }
 }
 
 /// Adds light that a layer emits into a gap, [live node, function].
@@ -80,7 +101,7 @@ void BeamSet::add(std::size_t gap, bool up, std::size_t beam, const MatrixXd& va
   const std::vector<std::vector<Index>>& functions = solution_.azimuths().functions;
   for (std::size_t block = 0; block < functions.size(); ++block) {
     MatrixXd& all = (up ? scattered_.up : scattered_.down)[block][gap];
-    for (std::size_t f = 0; f < functions[block].size(); ++f) {
+    for (std::size_t f = 0; all.cols() > 0 && f < functions[block].size(); ++f) {
       all.col(static_cast<Index>(beam)).segment(static_cast<Index>(f) * values.rows(), values.rows()) +=
           values.col(functions[block][f]);
     }
@@ -138,7 +159,7 @@ void BeamSet::add_medium(std::size_t layer, const MediumOnTargets& medium, std::
   add(layer + 1, false, beam, down);
 }
 
-double BeamSet::by_medium(std::size_t scatterer, std::size_t out, std::size_t in, double turn) const {
+double BeamSet::by_medium(std::size_t scatterer, std::size_t out, std::size_t in, double dphi) const {
   const Solution::Scatterer& own = solution_.media().scatterers()[scatterer];
   const SpecularPaths::Arrival leaving = paths_.arrival(beams_[out], own.layer);
   const SpecularPaths::Arrival arriving = paths_.arrival(beams_[in], own.layer);
@@ -147,7 +168,6 @@ double BeamSet::by_medium(std::size_t scatterer, std::size_t out, std::size_t in
   if (!(turned > 0.0 || passed > 0.0)) {
     return 0.0;
   }
-  const double dphi = beams_[out].phi - beams_[in].phi - turn;
   const double mu_o = paths_.heading(beams_[out], own.layer).mu;
   const double mu_i = paths_.heading(beams_[in], own.layer).mu;
   // Once, by the phase function itself.
@@ -171,7 +191,7 @@ double BeamSet::by_medium(std::size_t scatterer, std::size_t out, std::size_t in
 }
 
 double BeamSet::by_one_layer(std::size_t out, std::size_t in) const {
-  double sum = smooth_by_one_layer(out, in, 0.0);
+  double sum = evenly(out, in) + by_media(out, in, beams_[out].phi - beams_[in].phi);
   for (std::size_t layer = 0; layer <= solution_.stack().layers.size(); ++layer) {
     if (solution_.surface(layer) != nullptr) {
       sum += paths_.by_facets(beams_[out], beams_[in], layer);
@@ -180,7 +200,7 @@ double BeamSet::by_one_layer(std::size_t out, std::size_t in) const {
   return sum;
 }
 
-double BeamSet::smooth_by_one_layer(std::size_t out, std::size_t in, double turn) const {
+double BeamSet::evenly(std::size_t out, std::size_t in) const {
   const Stack& stack = solution_.stack();
   double sum = 0.0;
   for (std::size_t layer = 0; layer <= stack.layers.size(); ++layer) {
@@ -191,13 +211,18 @@ double BeamSet::smooth_by_one_layer(std::size_t out, std::size_t in, double turn
       });
     }
   }
-  for (std::size_t k = 0; k < media_.size(); ++k) {
-    sum += by_medium(k, out, in, turn);
-  }
   if (stack.base.is_diffuse()) {
     const double ior = paths_.gaps().back().ior;
     const auto down = [&](std::size_t beam) { return paths_.arrival(beams_[beam], stack.layers.size()).down; };
     sum += down(out) * down(in) * stack.base.reflectance / (pi * ior * ior);
+  }
+  return sum;
+}
+
+double BeamSet::by_media(std::size_t out, std::size_t in, double dphi) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < media_.size(); ++k) {
+    sum += by_medium(k, out, in, dphi);
   }
   return sum;
 }

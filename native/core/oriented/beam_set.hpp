@@ -29,20 +29,22 @@ class BeamSet {
   /// The same beams for the stack of `bare` with another thickness of the medium on top, whose thickness was 0.
   BeamSet(const OrientedSolution& solution, const BeamSet& bare, ThreadPool& pool);
 
-  /// The light of the beams after its first scattering, a column for each beam.
+  /// The light of the beams after its first scattering, a column for each beam; none where no layer scatters light.
   const GapLight& scattered() const { return scattered_; }
   /// Light that one layer scatters from a beam into another, in 1/sr: once by facets, or any number of times by a
   /// medium.
   double by_one_layer(std::size_t out, std::size_t in) const;
-  /// Of by_one_layer, what is left without the light that facets scatter once in closed form. The azimuth of `in` is
-  /// turned by `turn`, 0 or half a turn, which facets don't see.
-  double smooth_by_one_layer(std::size_t out, std::size_t in, double turn) const;
+  /// Of by_one_layer: light without a direction, what media scatter between the cosines of two beams whose azimuths
+  /// differ by `dphi`, and the rest, which facets scatter once.
+  double evenly(std::size_t out, std::size_t in) const;
+  double by_media(std::size_t out, std::size_t in, double dphi) const;
 
  private:
+  void open(std::size_t layer);
   void add_surface(std::size_t layer, std::size_t beam);
   void add_medium(std::size_t layer, const MediumOnTargets& medium, std::size_t beam);
   void add(std::size_t gap, bool up, std::size_t beam, const Eigen::MatrixXd& values);
-  double by_medium(std::size_t scatterer, std::size_t out, std::size_t in, double turn) const;
+  double by_medium(std::size_t scatterer, std::size_t out, std::size_t in, double dphi) const;
 
   const OrientedSolution& solution_;
   Eigen::VectorXd cosines_;

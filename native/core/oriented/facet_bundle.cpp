@@ -11,9 +11,9 @@ namespace lamina {
 
 using std::numbers::pi;
 
-Heading Heading::of(double mu, double phi) {
-  const double sine = std::sqrt(std::max(0.0, 1.0 - mu * mu));
-  return {sine * std::cos(phi), sine * std::sin(phi), mu};
+Heading Heading::of(double mu, double cosine, double sine) {
+  const double flat = std::sqrt(std::max(0.0, 1.0 - mu * mu));
+  return {flat * cosine, flat * sine, mu};
 }
 
 FacetBundle::FacetBundle(const Facets& facets, int fineness) : facets_(facets), circles_(fineness) {

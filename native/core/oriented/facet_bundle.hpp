@@ -15,7 +15,8 @@ struct Heading {
   double y = 0.0;
   double mu = 1.0;
 
-  static Heading of(double mu, double phi);
+  /// Along the azimuth with this cosine and sine.
+  static Heading of(double mu, double cosine, double sine);
 };
 
 /// Rays that leave a boundary, as shares of the incident flux.

@@ -32,13 +32,21 @@ class BeamList {
   std::vector<Beam> beams_;
 };
 
-/// The columns of some problems.
+/// The columns of some problems; zeros where there are none.
 GapLight chosen(const GapLight& light, const std::vector<Index>& columns) {
-  GapLight some = light;
+  const auto of = [&](const Eigen::MatrixXd& all) -> Eigen::MatrixXd {
+    if (all.cols() == 0) {
+      return Eigen::MatrixXd::Zero(all.rows(), static_cast<Index>(columns.size()));
+    }
+    return all(Eigen::all, columns);
+  };
+  GapLight some;
   for (std::size_t block = 0; block < light.up.size(); ++block) {
+    some.up.emplace_back();
+    some.down.emplace_back();
     for (std::size_t gap = 0; gap < light.up[block].size(); ++gap) {
-      some.up[block][gap] = light.up[block][gap](Eigen::all, columns);
-      some.down[block][gap] = light.down[block][gap](Eigen::all, columns);
+      some.up[block].push_back(of(light.up[block][gap]));
+      some.down[block].push_back(of(light.down[block][gap]));
     }
   }
   return some;
@@ -49,8 +57,12 @@ double last_scattered(const GapLight& directions, Index out, const GapLight& lig
   double sum = 0.0;
   for (std::size_t block = 0; block < light.up.size(); ++block) {
     for (std::size_t gap = 0; gap < light.up[block].size(); ++gap) {
-      sum += directions.up[block][gap].col(out).dot(light.down[block][gap].col(in)) +
-             directions.down[block][gap].col(out).dot(light.up[block][gap].col(in));
+      if (const Eigen::MatrixXd& up = directions.up[block][gap]; up.cols() > 0) {
+        sum += up.col(out).dot(light.down[block][gap].col(in));
+      }
+      if (const Eigen::MatrixXd& down = directions.down[block][gap]; down.cols() > 0) {
+        sum += down.col(out).dot(light.up[block][gap].col(in));
+      }
     }
   }
   return sum;
@@ -125,7 +137,7 @@ Fluxes oriented_fluxes(const OrientedSolution& solution, Side side, const Vector
       beams.push_back({mu[k], phi[k], below});
     }
     const BeamSet set(solution, beams, pool);
-    const GapLight light = solution.light(set.scattered());
+    const GapLight light = solution.light(columns(set.scattered(), 0, size));
     all.reflected.segment(first, size) = leaving(solution, light, !below);
     if (!opaque) {
       all.transmitted.segment(first, size) = leaving(solution, light, below);

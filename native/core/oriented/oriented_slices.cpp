@@ -20,8 +20,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
 
-constexpr double kLowest = 5e-3;  // cosine of the most grazing beam
-constexpr Index kMostProblems = 192;
+constexpr double kLowest = 5e-3;     // cosine of the most grazing beam
+constexpr Index kMostProblems = 96;  // at once, for memory
 
 /// Angles from the normal to grazing, denser towards grazing.
 VectorXd beam_angles(Index count) {
@@ -76,13 +76,17 @@ struct BeamLight {
   VectorXd albedo;
 };
 
-/// The beams of a solution: azimuths in half a turn, and the angles of each.
+/// The azimuths of the beams that are followed, of those in half a turn. The second quarter may mirror the first.
+Index followed(const AzimuthBlocks& azimuths) { return azimuths.mirrored ? azimuths.orders / 2 + 1 : azimuths.orders; }
+
+/// The beams that are followed: azimuths, and the angles of each.
 std::vector<Beam> beams_of(const OrientedSolution& solution) {
   const VectorXd angles = beam_angles(solution.media().resolution().nodes);
   std::vector<Beam> beams;
-  for (int a = 0; a < solution.azimuths().orders; ++a) {
+  for (Index a = 0; a < followed(solution.azimuths()); ++a) {
     for (const double angle : angles) {
-      beams.push_back({std::cos(angle), pi * a / solution.azimuths().orders, false});
+      const double turn = pi * static_cast<double>(a) / solution.azimuths().orders;
+      beams.push_back({std::cos(angle), solution.frame() + turn, false});
     }
   }
   return beams;
@@ -91,37 +95,75 @@ std::vector<Beam> beams_of(const OrientedSolution& solution) {
 BeamLight light_between(const OrientedSolution& solution, const BeamSet& set, ThreadPool& pool) {
   BeamLight found;
   found.angle = beam_angles(solution.media().resolution().nodes);
-  found.azimuths = 2 * solution.azimuths().orders;
+  const Index angles = found.angle.size();
+  const Index half = solution.azimuths().orders;
+  found.azimuths = 2 * half;
   const GapLight& ends = set.scattered();
-  const Index count = ends.up.front().front().cols();
-  found.same.resize(count, count);
-  found.turned.resize(count, count);
-  found.albedo.resize(count);
+  const Index count = angles * followed(solution.azimuths());
+  MatrixXd parts[2][2];  // [one of both beams mirrored, one of both turned by half a turn]
+  parts[0][0].resize(count, count);
+  for (Index in = 0; in < count; ++in) {
+    for (Index out = 0; out < count; ++out) {
+      parts[0][0](out, in) = pi * set.evenly(static_cast<std::size_t>(out), static_cast<std::size_t>(in));
+    }
+  }
+  parts[0][1] = parts[1][0] = parts[1][1] = parts[0][0];
+  VectorXd albedo(count);
   for (Index first = 0; first < count; first += kMostProblems) {
     const Index size = std::min(kMostProblems, count - first);
     const GapLight light = solution.light(columns(ends, first, size));
-    found.albedo.segment(first, size) = leaving(solution, light, true);
-    // Half a turn changes the sign of odd functions
-    MatrixXd parts[2] = {MatrixXd::Zero(count, size), MatrixXd::Zero(count, size)};
+    albedo.segment(first, size) = leaving(solution, light, true);
     for (std::size_t block = 0; block < ends.up.size(); ++block) {
+      MatrixXd own = MatrixXd::Zero(count, size);
       for (std::size_t gap = 1; gap < ends.up[block].size(); ++gap) {  // no layer emits down into the first
-        parts[block % 2].noalias() += ends.up[block][gap].transpose() * light.down[block][gap];
-        parts[block % 2].noalias() += ends.down[block][gap].transpose() * light.up[block][gap];
+        if (const MatrixXd& up = ends.up[block][gap]; up.cols() > 0) {
+          own.noalias() += up.transpose() * light.down[block][gap];
+        }
+        if (const MatrixXd& down = ends.down[block][gap]; down.cols() > 0) {
+          own.noalias() += down.transpose() * light.up[block][gap];
+        }
+      }
+      // Half a turn changes the sign of odd functions. The second quarter is the first one mirrored, which changes that
+      // of sines, and turned by half a turn.
+      const double turned = block % 2 == 0 ? 1.0 : -1.0;
+      const double mirrored = block < 2 ? turned : -turned;
+      parts[0][0].middleCols(first, size) += own;
+      parts[0][1].middleCols(first, size) += turned * own;
+      parts[1][0].middleCols(first, size) += mirrored * own;
+      parts[1][1].middleCols(first, size) += mirrored * turned * own;
+    }
+  }
+
+  // What media scatter depends on the difference of azimuths alone
+  std::vector<MatrixXd> media(static_cast<std::size_t>(half + 1), MatrixXd(angles, angles));
+  pool.run(media.size(), [&](std::size_t step) {
+    for (Index in = 0; in < angles; ++in) {
+      for (Index out = 0; out < angles; ++out) {
+        media[step](out, in) = set.by_media(static_cast<std::size_t>(out), static_cast<std::size_t>(in),
+                                            pi * static_cast<double>(step) / static_cast<double>(half));
       }
     }
-    found.same.middleCols(first, size) = (parts[0] + parts[1]) / pi;
-    found.turned.middleCols(first, size) = (parts[0] - parts[1]) / pi;
-  }
-  const VectorXd mu = found.angle.array().cos();
-  pool.run(static_cast<std::size_t>(count), [&](std::size_t in) {
-    for (std::size_t out = 0; out < static_cast<std::size_t>(count); ++out) {
-      const auto o = static_cast<Index>(out);
-      const auto i = static_cast<Index>(in);
-      const double cosines = mu[o % mu.size()] + mu[i % mu.size()];
-      found.same(o, i) = cosines * (found.same(o, i) + set.smooth_by_one_layer(out, in, 0.0));
-      found.turned(o, i) = cosines * (found.turned(o, i) + set.smooth_by_one_layer(out, in, pi));
-    }
   });
+  const VectorXd mu = found.angle.array().cos();
+  const MatrixXd cosines = mu.replicate(1, angles) + mu.transpose().replicate(angles, 1);
+  const Index quarter = count / angles;
+  const auto own = [&](Index azimuth) { return angles * (azimuth < quarter ? azimuth : half - azimuth); };
+  found.same.resize(angles * half, angles * half);
+  found.turned.resize(angles * half, angles * half);
+  found.albedo.resize(angles * half);
+  for (Index in = 0; in < half; ++in) {
+    found.albedo.segment(in * angles, angles) = albedo.segment(own(in), angles);
+    for (Index out = 0; out < half; ++out) {
+      const MatrixXd* part = parts[(in < quarter) == (out < quarter) ? 0 : 1];
+      const Index step = std::abs(in - out);
+      const auto sum = [&](int turned, Index difference) {
+        return cosines.cwiseProduct(part[turned].block(own(out), own(in), angles, angles) / pi +
+                                    media[static_cast<std::size_t>(difference)]);
+      };
+      found.same.block(out * angles, in * angles, angles, angles) = sum(0, step);
+      found.turned.block(out * angles, in * angles, angles, angles) = sum(1, half - step);
+    }
+  }
   return found;
 }
 
@@ -129,19 +171,15 @@ BeamLight light_between(const OrientedSolution& solution, const BeamSet& set, Th
 MatrixXd to_views(const BeamLight& known, const MatrixXd& angle_shares, const VectorXd& wave_shares) {
   const Index angles = known.angle.size();
   const Index half = known.azimuths / 2;
-  const Index views = angle_shares.rows();
-  MatrixXd first(angles * half, views);   // shares of the views in the first half turn
-  MatrixXd second(angles * half, views);  // and in the second
+  // At this azimuth, from beams of the first half turn and of the other
+  MatrixXd light = MatrixXd::Zero(angles, 2 * angles * half);
   for (Index a = 0; a < half; ++a) {
-    first.middleRows(a * angles, angles) = wave_shares[a] * angle_shares.transpose();
-    second.middleRows(a * angles, angles) = wave_shares[half + a] * angle_shares.transpose();
+    const auto same = known.same.middleRows(a * angles, angles);
+    const auto turned = known.turned.middleRows(a * angles, angles);
+    light.leftCols(angles * half) += wave_shares[a] * same + wave_shares[half + a] * turned;
+    light.rightCols(angles * half) += wave_shares[a] * turned + wave_shares[half + a] * same;
   }
-  MatrixXd light(2 * angles * half, views);
-  light.topRows(angles * half).noalias() = known.same.transpose() * first;
-  light.topRows(angles * half).noalias() += known.turned.transpose() * second;
-  light.bottomRows(angles * half).noalias() = known.turned.transpose() * first;
-  light.bottomRows(angles * half).noalias() += known.same.transpose() * second;
-  return light;
+  return light.transpose() * angle_shares.transpose();
 }
 
 /// All cosines of a grid, views first, for the specular paths.
@@ -156,10 +194,15 @@ void add_facets(const OrientedSolution& solution, const SpecularPaths& paths, co
                 Eigen::Ref<VectorXd> light) {
   const Index views = grid.mu_o.size();
   const Index azimuths = grid.dphi.size();
-  const double turn = grid.phi_o[column / views];
-  const SpecularPaths::Arrived out{column % views, turn - solution.frame(), false};
+  const double turn = grid.phi_o[column / views] - solution.frame();
+  const SpecularPaths::Arrived out{column % views, turn};
+  std::vector<SpecularPaths::Arrived> ins;
+  for (const double dphi : grid.dphi) {
+    ins.push_back({0, turn - dphi});
+  }
   for (Index k = 0; k < light.size(); ++k) {
-    const SpecularPaths::Arrived in{views + k / azimuths, turn - grid.dphi[k % azimuths] - solution.frame(), false};
+    SpecularPaths::Arrived& in = ins[static_cast<std::size_t>(k % azimuths)];
+    in.target = views + k / azimuths;
     for (std::size_t layer = 0; layer <= solution.stack().layers.size(); ++layer) {
       if (solution.surface(layer) != nullptr) {
         light[k] += paths.by_facets(out, in, layer);
@@ -179,8 +222,9 @@ OrientedSlices slices_between(const OrientedSolution& solution, const BeamSet& s
   const BeamLight known = light_between(solution, set, pool);
   const MatrixXd view_shares = cubics(known.angle, grid.mu_o);
   const MatrixXd light_shares = cubics(known.angle, grid.mu_i);
-  const MatrixXd view_waves = waves(known.azimuths, 2.0 * pi, grid.phi_o);
-  const MatrixXd flux_waves = waves(known.azimuths / 2, pi, grid.phi_o);
+  const VectorXd phi_o = grid.phi_o.array() - solution.frame();
+  const MatrixXd view_waves = waves(known.azimuths, 2.0 * pi, phi_o);
+  const MatrixXd flux_waves = waves(known.azimuths / 2, pi, phi_o);
   const Eigen::Map<const MatrixXd> fluxes(known.albedo.data(), known.angle.size(), known.azimuths / 2);
 
   OrientedSlices found;
@@ -190,20 +234,21 @@ OrientedSlices slices_between(const OrientedSolution& solution, const BeamSet& s
   found.mirrored = VectorXd(specular_light(solution, grid.mu_o).reflect_above).replicate(turns, 1);
   pool.run(static_cast<std::size_t>(turns), [&](std::size_t place) {
     const auto turn = static_cast<Index>(place);
-    const VectorXd phi = grid.phi_o[turn] - grid.dphi.array();
+    const VectorXd phi = phi_o[turn] - grid.dphi.array();
     const MatrixXd light_waves = waves(known.azimuths, 2.0 * pi, phi).transpose();
     const MatrixXd light = to_views(known, view_shares, view_waves.row(turn));
     for (Index view = 0; view < views; ++view) {
       const Eigen::Map<const MatrixXd> beams(light.col(view).data(), known.angle.size(), known.azimuths);
       const MatrixXd smooth = light_shares * beams * light_waves;
-      auto column = found.values.col(turn * views + view);
+      VectorXd column(found.values.rows());
       for (Index i = 0; i < grid.mu_i.size(); ++i) {
         column.segment(i * azimuths, azimuths) = smooth.row(i).transpose() / (grid.mu_o[view] + grid.mu_i[i]);
       }
       add(turn * views + view, column);
       for (Index i = 0; i < grid.mu_i.size(); ++i) {
-        column.segment(i * azimuths, azimuths) = column.segment(i * azimuths, azimuths).cwiseMax(0.0) * grid.mu_i[i];
+        column.segment(i * azimuths, azimuths) *= grid.mu_i[i];
       }
+      found.values.col(turn * views + view) = column.cwiseMax(0.0).cast<float>();
     }
   });
   return found;

@@ -20,7 +20,7 @@ struct OrientedGrid {
 
 /// Views run over azimuths, and over the cosines of each; lights over cosines, and over the azimuths of each.
 struct OrientedSlices {
-  Eigen::MatrixXd values;    ///< f * mu_i in 1/sr, without deltas, [light, view]
+  Eigen::MatrixXf values;    ///< f * mu_i in 1/sr, without deltas, [light, view]
   Eigen::VectorXd albedo;    ///< their integrals, by the solver's fluxes, [view]
   Eigen::VectorXd mirrored;  ///< specular reflectance, [view]
 };

@@ -318,23 +318,26 @@ GapLight OrientedSolution::light(GapLight light) const {
                            : MatrixXd((q * columns.cast<float>()).cast<double>());
     };
     // Upwards: the light that leaves the layers below each gap if nothing enters them from above.
+    std::vector<MatrixXd> back(layers.size());
     for (std::size_t k = layers.size(); k-- > 0;) {
-      const MatrixXd source = layers[k].reflect_below.times(up[k + 1], rows(k + 1)) + down[k + 1];
-      up[k] += layers[k].transmit.transposed_times(returned(k, source) + up[k + 1], rows(k));
+      down[k + 1] += layers[k].reflect_below.times(up[k + 1], rows(k + 1));
+      back[k] = returned(k, down[k + 1]);
+      up[k] += layers[k].transmit.transposed_times(back[k] + up[k + 1], rows(k));
     }
     // Downwards, with all reflections below.
     for (std::size_t k = 0; k < layers.size(); ++k) {
-      const MatrixXd arriving = layers[k].transmit.times(down[k], rows(k + 1)) +
-                                layers[k].reflect_below.times(up[k + 1], rows(k + 1)) + down[k + 1];
-      const MatrixXd back = returned(k, arriving);
-      const MatrixXd inner = up[k + 1] + back;
-      if (k == 0) {
-        // Light that enters from outside was not part of the upward sweep.
-        up[0] += layers[0].reflect_above.times(down[0], rows(0)) +
-                 layers[0].transmit.transposed_times(returned(0, layers[0].transmit.times(down[0], rows(1))), rows(0));
+      if (k > 0 || !down[0].isZero(0.0)) {
+        const MatrixXd entering = layers[k].transmit.times(down[k], rows(k + 1));
+        const MatrixXd more = returned(k, entering);
+        if (k == 0) {
+          // Light that enters from outside was not part of the upward sweep.
+          up[0] += layers[0].reflect_above.times(down[0], rows(0)) + layers[0].transmit.transposed_times(more, rows(0));
+        }
+        down[k + 1] += entering;
+        back[k] += more;
       }
-      down[k + 1] = arriving + layers[k].reflect_below.times(back, rows(k + 1));
-      up[k + 1] = inner;
+      down[k + 1] += layers[k].reflect_below.times(back[k], rows(k + 1));
+      up[k + 1] += back[k];
     }
     if (layers.empty()) {
       up[0] += base_[block].times(down[0], rows(0));

@@ -16,6 +16,9 @@ using Eigen::VectorXd;
 using std::numbers::pi;
 
 Heading turned(const Heading& heading, double angle) {
+  if (angle == 0.0) {
+    return heading;
+  }
   const double c = std::cos(angle);
   const double s = std::sin(angle);
   return {c * heading.x - s * heading.y, s * heading.x + c * heading.y, heading.mu};
@@ -113,7 +116,8 @@ OrientedSurface::Lobes OrientedSurface::lobes(Face from, ThreadPool& pool) const
     std::vector<MatrixXd> theirs(blocks);
     VectorXd lost(azimuths);
     for (Index j = 0; j < azimuths; ++j) {
-      const Heading heading = Heading::of(in.mu[static_cast<Index>(i)], phi[static_cast<std::size_t>(j)]);
+      const double turn = phi[static_cast<std::size_t>(j)];
+      const Heading heading = Heading::of(in.mu[static_cast<Index>(i)], std::cos(turn), std::sin(turn));
       lost[j] = 1.0 - bundle_.scatter(heading, optics_of(from), ends, reflected, transmitted);
       const auto keep = [&](std::vector<MatrixXd>& all, const MatrixXd& values) {
         for (std::size_t b = 0; b < blocks; ++b) {

@@ -3,6 +3,7 @@
 // single scattering between two such paths.
 #pragma once
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "operators/delta_field.hpp"
@@ -21,6 +22,8 @@ class SpecularPaths {
     Eigen::Index target = 0;  ///< its cosine, of those of the constructor
     double phi = 0.0;         ///< in the frame of the solve
     bool below = false;
+    double cosine = std::cos(phi);
+    double sine = std::sin(phi);
   };
   struct Arrival {
     double down;  ///< share at the top of a layer
@@ -36,7 +39,7 @@ class SpecularPaths {
     return {here.down[beam.target], here.up[beam.target]};
   }
   Heading heading(const Arrived& beam, std::size_t gap) const {
-    return Heading::of(gaps_[gap].mu[gaps_[gap].live + beam.target], beam.phi);
+    return Heading::of(gaps_[gap].mu[gaps_[gap].live + beam.target], beam.cosine, beam.sine);
   }
   /// Light that facets of a layer, or of the base, scatter once from `in` to `out`, in 1/sr.
   double by_facets(const Arrived& out, const Arrived& in, std::size_t layer) const;

@@ -292,29 +292,21 @@ def _evaluate_azimuths(functions: Sequence[ScatteringFunction], solved: SolvedRo
     phi_o = solved.azimuths.solved + solved.azimuths.tangent
     step(0.0, "Evaluating azimuths")
     directions = mu_o, phi_o, grid.mu, grid.dphi, pool
-    if len(functions) > 1:
-        bare = {id(one): _core.SlicesBelowMedium(one, *directions) for one in functions[0].solutions}
-        below = [bare[id(one)] for one in functions[0].solutions]
-    rows = len(functions)
-    found: list[np.ndarray] = []  # [azimuth, thickness, ...] of values, albedo and direct
+    rows, solutions = len(functions), functions[0].solutions
+    if rows > 1:
+        bare = {id(one): _core.SlicesBelowMedium(one, *directions) for one in solutions}
+        below = [bare[id(one)] for one in solutions]
+    shape = len(phi_o), rows, len(solutions), len(mu_o)
+    # Values in single precision: all thicknesses together take much memory
+    found: list[np.ndarray] = [np.empty((*shape, grid.solid_angle.size), np.float32), np.empty(shape), np.empty(shape)]
     for number, function in enumerate(functions):
         step(number / rows, f"Evaluating thickness {number + 1} of {rows}")
         made = {}
         for index, one in enumerate(function.solutions):
             if id(one) not in made:
                 made[id(one)] = one.slices(*directions) if rows == 1 else below[index].of(one, pool)
-        values, albedo, direct = (
-            np.stack([made[id(one)][part].reshape(len(phi_o), len(mu_o), *more) for one in function.solutions], 1)
-            for part, more in ((0, (grid.solid_angle.size,)), (1, ()), (2, ())))
-        values, _, albedo, direct = _in_colours(values[None], None, np.maximum(albedo, 0.0)[None], direct[None],
-                                                function.stack)
-        if rows == 1:
-            return Slices(values, albedo, None, direct)
-        parts = [part[0] for part in (values, albedo, direct)]
-        if not found:  # values in single precision: all thicknesses together take much memory
-            found = [np.empty((len(part), rows, *part.shape[1:]), np.float32 if part is parts[0] else float)
-                     for part in parts]
-        for whole, part in zip(found, parts, strict=True):
-            whole[:, number] = part
+            for whole, part in zip(found, made[id(one)], strict=True):
+                whole[:, number, index] = part.T.reshape(whole[:, number, index].shape)
     values, albedo, direct = (part.reshape(1, -1, *part.shape[2:]) for part in found)
+    values, _, albedo, direct = _in_colours(values, None, np.maximum(albedo, 0.0), direct, functions[0].stack)
     return Slices(values, albedo, None, direct)
