@@ -230,39 +230,50 @@ def _fit_lobes(wanted: Slices, choice: _Choice, own: list[str]) -> _Fitted:
 
 def reweighted(mixture: Mixture, weights: np.ndarray, wanted: Slices, grid: LightGrid,
                mixed: bool) -> Mixture:
-    """The mixture with other weights and their errors. The albedo errors of the fit are kept."""
-    changed = replace(mixture, weights=weights)
-    if mixture.thicknesses == 1:
-        left = norms(wanted.values - values_of(changed, grid, mixed), grid)
-    else:  # one azimuth after the other takes less memory
-        left = np.concatenate([norms(wanted.values[:, rows] - values_of(changed.at_azimuth(index), grid, mixed), grid)
-                               for index, rows in enumerate(batches(weights.shape[2], mixture.thicknesses))], axis=1)
-    whole = norms(wanted.values, grid)
-    errors = left / np.where(whole > 0.0, whole, 1.0)
+    """The mixture with other weights, its errors measured again where these changed. The albedo errors of the fit are
+    kept."""
+    changed, errors = replace(mixture, weights=weights), mixture.errors.copy()
+    rows = weights.shape[2]
+    for index, some in enumerate(batches(rows, rows if mixture.azimuths is None else mixture.thicknesses)):
+        columns = np.flatnonzero(np.any(weights[:, :, some] != mixture.weights[:, :, some], axis=(0, 1, 2, 3)))
+        if columns.size:
+            part = changed if mixture.azimuths is None else changed.at_azimuth(index)
+            seen = wanted.values[:, some][:, :, :, columns]
+            left = norms(seen - values_of(part, grid, mixed, columns), grid)
+            errors[:, some][..., columns] = relative(left, norms(seen, grid))
     return replace(changed, errors=np.where(wanted.albedo > 0.0, errors, np.nan))
 
 
-def values_of(mixture: Mixture, grid: LightGrid, mixed: bool = False) -> np.ndarray:
-    """The values of a mixture, [side, row, channel, column, light]."""
+def values_of(mixture: Mixture, grid: LightGrid, mixed: bool = False, columns=slice(None)) -> np.ndarray:
+    """The values of a mixture, [side, row, channel, column, light], at all columns or some."""
     moving = 0 if mixture.shapes is None else mixture.shapes.shape[1]
     fixed = mixture.closures[moving:]
-    parts = [_Fitted(only(grid, mixed, tuple(fixed)), mixture.weights[:, moving:]).values()] if fixed else []
-    if mixture.shapes is not None:
-        parts += [weighted(mixture.weights[:, lobe], np.moveaxis(mixture.shapes[:, lobe], 2, 3), grid,
-                           azimuths=mixture.azimuths, thicknesses=mixture.thicknesses) for lobe in range(moving)]
-    return sum(parts[1:], parts[0])
+    basis = [only(grid, mixed, tuple(fixed)).values[columns]] if fixed else []  # [column, closure, light]
+    weights = mixture.weights[..., columns]
+    if mixture.shapes is None:
+        return np.einsum("skrxc,ckl->srxcl", weights, basis[0], optimize=True)
+    found = []
+    for row, part in enumerate(batches(weights.shape[2], mixture.thicknesses)):
+        turn = None if mixture.azimuths is None else mixture.azimuths[row]
+        lobes = [shaped_lobes.sampled(shape.T[columns], view_cosines()[columns], turn, grid)[:, None]
+                 for shape in mixture.shapes[0, :, row]]
+        every = np.concatenate([*lobes, *basis], axis=1)
+        own = weights[0, :, part]
+        values = own.reshape(len(own), -1, len(every)).T @ every
+        found.append(np.moveaxis(values.reshape(len(every), *own.shape[1:3], -1), 0, 2))
+    return np.concatenate(found)[None]
 
 
 def weighted(weights: np.ndarray, shapes: np.ndarray, grid: LightGrid, stride: int = 1,
-             azimuths: np.ndarray | None = None, thicknesses: int = 1) -> np.ndarray:
+             azimuths: np.ndarray | None = None) -> np.ndarray:
     """The values of a lobe that moves with the view, [side, row, channel, column, light], for weights [side, row,
-    channel, column] and shapes [side, row, column, numbers] at every `stride`-th view; `azimuths` [row] and
-    `thicknesses`: see Mixture."""
+    channel, column] and shapes [side, row, column, numbers] at every `stride`-th view; `azimuths` [row]: see
+    Mixture."""
     mu_o = view_cosines()[::stride]
     turns = [None] * shapes.shape[1] if azimuths is None else azimuths.tolist()
     lobes = np.stack([[shaped_lobes.sampled(row, mu_o, turn, grid) for row, turn in zip(side, turns, strict=True)]
                       for side in shapes])
-    return weights[..., None] * np.repeat(lobes, thicknesses, axis=1)[:, :, None]
+    return weights[..., None] * lobes[:, :, None]
 
 
 def albedos_of(mixture: Mixture, grid: LightGrid, mixed: bool) -> np.ndarray:

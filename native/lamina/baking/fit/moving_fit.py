@@ -191,15 +191,16 @@ class _Fit:
     def _table(self, fixed: _Fixed, rows: Sequence[int], stride: int) -> _core.ClosureTable:
         """The core's table of the moving lobes and of fixed closures. Its columns are those of all rows, one row after
         the other."""
-        grid, mu_o = self.how.grid, view_cosines()[::stride]
-        values, albedo = [], []
-        for row in rows:
-            mine = self.shapes[row, ::stride]
+        grid, mu_o, count = self.how.grid, view_cosines()[::stride], self.how.count
+        columns, closures, lights = fixed.values.shape
+        values = np.empty((len(rows), columns, count + closures, lights))
+        values[:, :, count:] = fixed.values
+        for place, row in enumerate(rows):
             azimuth = None if self.how.azimuths is None else float(self.how.azimuths.solved[row])
-            moving = [shaped_lobes.sampled(mine[:, lobe], mu_o, azimuth, grid) for lobe in range(self.how.count)]
-            values.append(np.concatenate([np.stack(moving, axis=1), fixed.values], axis=1))
-            albedo.append(np.concatenate([self.albedos[row, ::stride], fixed.albedo], axis=1))
-        return _core.ClosureTable(np.concatenate(values), grid.solid_angle, np.concatenate(albedo))
+            for lobe in range(count):
+                values[place, :, lobe] = shaped_lobes.sampled(self.shapes[row, ::stride, lobe], mu_o, azimuth, grid)
+        albedo = [np.concatenate([self.albedos[row, ::stride], fixed.albedo], axis=1) for row in rows]
+        return _core.ClosureTable(values.reshape(-1, *values.shape[2:]), grid.solid_angle, np.concatenate(albedo))
 
     def _targets(self, table: _core.ClosureTable, rows: Sequence[int], stride: int):
         """The core's targets, [channel, row, column]."""
