@@ -78,6 +78,8 @@ def draw(context, layout):
 
 def _draw_mend(layout, obj, material):
     """A button that mends what the sentence above is about, if there is one."""
+    if body.can_convert(obj):
+        layout.operator("object.convert", text="Convert to Mesh", icon="MESH_DATA").target = "MESH"
     if body.problem(obj):
         return
     if interior_job.sharing(obj, material):

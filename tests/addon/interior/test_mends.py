@@ -55,3 +55,29 @@ def test_a_modifier_that_copies_faces_is_applied(jobs, ball, texts):
     assert "Apply Row" not in texts(ball)
     jobs.make(bpy.context, ball, ball.active_material)
     assert images(ball)
+
+
+@pytest.mark.parametrize("kind", ["CURVE", "FONT"])
+def test_curves_and_text_are_converted(jobs, ball, texts, kind):
+    if kind == "FONT":
+        data = bpy.data.curves.new("Letters", "FONT")
+        data.body, data.extrude, data.bevel_depth = "L", 0.1, 0.02
+    else:
+        data = bpy.data.curves.new("Letters", "CURVE")
+        data.dimensions, data.bevel_depth, data.use_fill_caps = "3D", 0.1, True
+        data.splines.new("POLY").points.add(2)
+        for number, point in enumerate(data.splines[0].points):
+            point.co = (number, 0.3 * number**2, 0.0, 1.0)
+    data.materials.append(ball.active_material)
+    bpy.data.objects.remove(ball)
+    obj = bpy.data.objects.new("Letters", data)
+    obj.scale = (0.01,) * 3
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    assert {"Letters has no mesh of its own: convert it", "Convert to Mesh"} <= set(texts(obj))
+    assert bpy.ops.object.convert(target="MESH") == {"FINISHED"}
+    obj.active_material.lamina.interior.map = "NEW"
+    assert "Convert to Mesh" not in texts(obj)
+    found = jobs.make(bpy.context, obj, obj.active_material)
+    assert found.mask.sum() > 40
