@@ -4,7 +4,8 @@
 from ..base import f_curves
 from . import lamps, seen
 
-PLACES = ("location", "rotation", "scale", "delta_", "pose.bones")  # how the data paths of motion begin
+# How the data paths of motion begin; eval_time is that of a curve that objects follow.
+PLACES = ("location", "rotation", "scale", "delta_", "pose.bones", "constraints", "eval_time")
 # Modifiers that change the shape in time by themselves; others do so if their object moves.
 SIMULATIONS = {"CLOTH", "SOFT_BODY", "OCEAN", "WAVE", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "FLUID", "EXPLODE"}
 FOLLOWING = {"ARMATURE", "LATTICE", "HOOK", "CURVE", "MESH_DEFORM", "CAST", "SIMPLE_DEFORM"}
@@ -47,13 +48,19 @@ def _deforms(modifier):
 
 
 def _movers(obj):
-    """Those of the object and its parents that move by themselves."""
-    found = set()
-    while obj is not None:
-        is_animated = any(path.startswith(PLACES) for path in _paths(obj))
-        if is_animated or any(not one.mute for one in obj.constraints):
-            found.add(obj)
-        obj = obj.parent
+    """{(object, whether through a constraint)} whose animation moves `obj`: itself, its parents, and what
+    constraints follow."""
+    found, known, left = set(), set(), [(obj, False)]
+    while left:
+        one, follows = left.pop()
+        if one is None or (one, follows) in known:
+            continue
+        known.add((one, follows))
+        paths = [*_paths(one), *(_paths(one.data) if one.type == "CURVE" else ())]
+        if any(path.startswith(PLACES) for path in paths):
+            found.add((one, follows))
+        left.append((one.parent, follows))
+        left += [(getattr(each, "target", None), True) for each in one.constraints if not each.mute]
     return found
 
 

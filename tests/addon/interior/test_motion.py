@@ -67,8 +67,16 @@ def test_a_camera_that_moves(motion, ball):
     bpy.context.scene.collection.objects.link(camera)
     bpy.context.scene.camera = camera
     assert told(motion, ball) == ""
-    camera.constraints.new("TRACK_TO").target = ball
+    target = parent_of()
+    camera.constraints.new("TRACK_TO").target = target
+    target.constraints.new("COPY_LOCATION").target = camera  # a cycle, which Blender allows
+    assert told(motion, ball) == "", "a constraint that follows what stays"
+    moved(target, "location")
     assert told(motion, ball) == "The camera moves in the animation: choose the view All"
+    camera.constraints[0].target = ball
+    target.animation_data_clear()
+    moved(ball, "location")
+    assert told(motion, ball) == "The camera moves in the animation: choose the view All", "it turns, and stays"
     settings.view = "ALL"
     assert told(motion, ball) == ""
 
