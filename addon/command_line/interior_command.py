@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`--command lamina interior OBJECT ...`: the light inside objects, as the panel Interior computes it."""
 
+import os
 import time
 from dataclasses import replace
 
@@ -12,9 +13,10 @@ from ..kinds import interiors
 from ..kinds.limits import MOST_THREADS
 from . import selection, waiting
 from .argument_types import number, whole
-from .exit_codes import FAILED, OK
+from .exit_codes import FAILED, OK, UsageError
 from .saved import saved
 
+MOST_FRAME = 1048574  # of Blender
 KINDS = {"relightable": "RELIGHTABLE", "lit": "LIT"}
 
 
@@ -39,24 +41,69 @@ def add(commands):
     command.add_argument(
         "--threads", type=whole(0, MOST_THREADS), metavar="N", help="0 is all; default: the preferences'"
     )
+    command.add_argument(
+        "--frames",
+        nargs=2,
+        type=whole(0, MOST_FRAME),
+        metavar=("FIRST", "LAST"),
+        help="compute each frame and render it to the scene's output path",
+    )
     return command
 
 
 def run(arguments):
-    """Compute the objects' light, print one line for each, and save. Returns the exit code. Raises
+    """Compute the objects' light, print one line for each, and save or render. Returns the exit code. Raises
     UsageError, SaveError, NativeMissingError, KeyboardInterrupt."""
-    lamina, failed = native.require(), False
+    native.require()
     objects = selection.objects(arguments.objects)
+    if arguments.frames is not None:
+        return _render(objects, arguments)
     with saved(arguments):
-        for obj in objects:
+        return OK if _computed(objects, arguments) else FAILED
+
+
+def _render(objects, arguments):
+    """Compute and render frame by frame. As in Blender, pictures that exist stay if the scene does not
+    overwrite them, so an interrupted command continues."""
+    scene, (first, last) = bpy.context.scene, arguments.frames
+    output = scene.render.filepath
+    if first > last:
+        raise UsageError(f"--frames {first} {last}: the first frame comes after the last one")
+    if arguments.save or arguments.output is not None:
+        raise UsageError("--frames saves no images, which differ by frame: leave out --save and --output")
+    if scene.render.is_movie_format:
+        raise UsageError("--frames: the scene's output is a movie: choose a format of single images")
+    is_complete = True
+    with waiting.Interruptible():
+        for frame in range(first, last + 1, scene.frame_step):
+            path = scene.render.frame_path(frame=frame)
+            if os.path.exists(path) and not scene.render.use_overwrite:
+                continue
+            scene.frame_set(frame)
+            if not _computed(objects, arguments):
+                is_complete = False
+                continue
+            scene.render.filepath = path
             try:
-                print(f"{obj.name}: {_compute(obj, arguments)}", flush=True)
-            except lamina.Cancelled:
-                raise KeyboardInterrupt from None
-            except Exception as error:  # the other objects go on
-                failed = True
-                print(f"{obj.name}: failed: {messages.sentence(error, obj.active_material)}", flush=True)
-    return FAILED if failed else OK
+                bpy.ops.render.render(write_still=True)
+            finally:
+                scene.render.filepath = output
+            print(f"frame {frame}: {path}", flush=True)
+    return OK if is_complete else FAILED
+
+
+def _computed(objects, arguments):
+    """Compute the objects' light, and print one line for each. False if one failed."""
+    failed = False
+    for obj in objects:
+        try:
+            print(f"{obj.name}: {_compute(obj, arguments)}", flush=True)
+        except native.require().Cancelled:
+            raise KeyboardInterrupt from None
+        except Exception as error:  # the other objects go on
+            failed = True
+            print(f"{obj.name}: failed: {messages.sentence(error, obj.active_material)}", flush=True)
+    return not failed
 
 
 def _compute(obj, arguments):

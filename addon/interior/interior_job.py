@@ -34,9 +34,6 @@ running_for, register, unregister = _place.running_for, _place.register, _place.
 FILLING = 0.1  # share of the progress: the voxels
 MARGIN = 4  # texels
 STOPPED = "Stopped early: the next start continues."
-CHANGES = (
-    "without an interface, All shows roughly how light changes with the view: Camera is exact from its place"
-)
 
 
 @dataclass(frozen=True)
@@ -194,8 +191,6 @@ def gather(context, obj, material, folder=None):
     uv_map = uv_map or named
     sources = lights.of_scene(scene, obj, found) if is_lit else []
     filled = contents.of_material(obj, material, shape)
-    if is_lit and settings.view == "ALL" and filled.surface.ior == 1.0:
-        remarks = (*remarks, CHANGES)
     node = contents.texture(material) if settings.source == "NODES" else ()
     has_image = any(one.radiance is not None for one in sources)
     task = Task(

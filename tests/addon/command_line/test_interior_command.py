@@ -5,7 +5,7 @@ from functools import partial
 
 import bpy
 import pytest
-from addon_helpers import icosphere
+from addon_helpers import icosphere, pixels
 
 
 @pytest.fixture
@@ -111,3 +111,57 @@ def test_an_interruption_keeps_parts(run, ball, addon, lamina, monkeypatch):
     code, lines, _ = run("Ball", "--size", 12)
     assert code == 0 and lines[0].startswith("Ball: Colors and radii: ")
     assert not any(text.startswith("Part 3 of ") for text in said)
+
+
+def test_frames_with_a_moving_lamp_and_a_bending_body(run, ball, tmp_path):
+    scene = bpy.context.scene
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    scene.collection.objects.link(sun)
+    ball.shape_key_add(name="Basis")
+    long = ball.shape_key_add(name="Long")
+    for corner in long.data:
+        corner.co.x *= 3.0
+    for frame, turn, share in ((1, 0.0, 0.0), (3, 1.5, 1.0)):
+        sun.rotation_euler.x, long.value = turn, share
+        sun.keyframe_insert("rotation_euler", frame=frame)
+        long.keyframe_insert("value", frame=frame)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z, camera.data.type, camera.data.ortho_scale = 1.0, "ORTHO", 0.08
+    scene.collection.objects.link(camera)
+    scene.camera, render = camera, scene.render
+    render.engine, render.resolution_x, render.resolution_y = "CYCLES", 16, 16
+    scene.cycles.samples, scene.frame_step, render.use_overwrite = 4, 2, False
+    render.film_transparent, render.image_settings.file_format = True, "PNG"
+    render.image_settings.color_mode = "RGBA"
+    output = render.filepath = str(tmp_path / "turn_##")
+    code, lines, err = run("Ball", "--kind", "lit", "--size", 12, "--frames", 1, 4)
+    assert code == 0, err
+    told = [line for line in lines if line.startswith(("Ball: Light: ", "frame "))]
+    assert len(told) == 4 and render.filepath == output
+    shown = [pixels(bpy.data.images.load(str(tmp_path / f"turn_0{frame}.png"))) for frame in (1, 3)]
+    covered = [(picture[..., 3] > 0.5).sum() for picture in shown]
+    assert covered[1] > 1.8 * covered[0] > 0, "the shape of the frame"
+    light = [picture[picture[..., 3] > 0.5][:, :3].mean() for picture in shown]
+    assert light[0] > 1.2 * light[1], "the lamp of the frame"
+    (tmp_path / "turn_01.png").unlink()
+    code, lines, _ = run("Ball", "--kind", "lit", "--size", 12, "--frames", 1, 4)
+    rendered = [line for line in lines if line.startswith("frame ")]
+    assert code == 0 and rendered == [f"frame 1: {tmp_path / 'turn_01.png'}"]
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (("--frames", 3, 1), "the first frame comes after the last one"),
+    (("--frames", 1, 2, "--output", "out.blend"), "leave out --save and --output"),
+    (("--frames", 1), "expected 2 arguments"), (("--frames", 1, "x"), "'x': must be a whole number")])
+def test_bad_frames(run, ball, arguments, words):
+    code, lines, err = run("Ball", *arguments)
+    assert code == 2 and words in err and not lines
+
+
+def test_frames_are_not_a_movie(run, ball):
+    settings = bpy.context.scene.render.image_settings
+    if hasattr(settings, "media_type"):  # Blender 5.0
+        settings.media_type = "VIDEO"
+    settings.file_format = "FFMPEG"
+    code, _, err = run("Ball", "--frames", 1, 2)
+    assert code == 2 and "is a movie" in err

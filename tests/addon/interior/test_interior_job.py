@@ -194,19 +194,6 @@ def test_node_texture_between_materials(jobs, ball, lamina, stretch):
         make(jobs, ball)
 
 
-@pytest.mark.parametrize(("ior", "view", "told"), [(1.0, "ALL", True), (1.5, "ALL", False), (1.0, "CAMERA", False)])
-def test_a_mean_over_views_without_a_boundary_is_told(jobs, ball, ior, view, told):
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    bpy.context.scene.collection.objects.link(camera)
-    bpy.context.scene.camera = camera
-    camera.location.z = 5.0
-    sun("Sun", (0.6, 0.2, 0.0))
-    settings = ball.active_material.lamina.interior
-    settings.output, settings.view, settings.ior = "LIT", view, ior
-    remarks = jobs.gather(bpy.context, ball, ball.active_material).remarks
-    assert list(remarks) == [jobs.CHANGES] * told
-
-
 def test_a_stretched_object_is_like_one_whose_scale_is_applied(jobs, ball):
     """Its shape in mm, the normals, and a lamp as seen from its axes."""
     sun("Sun", (0.6, 0.2, 0.0))
