@@ -12,6 +12,7 @@ import numpy as np
 
 from ..common.fresnel import fresnel
 from ..interior.problem import Surface
+from ..walks.searchlight_moments import Measured
 from .places import frames_about
 
 _COSINES, _AZIMUTHS = 8, 16  # nodes: Gauss-Legendre; at equal distances over a turn
@@ -22,19 +23,34 @@ _STEPS, _CONVERGED = 60, 1e-5  # of Newton's method; largest decrement
 _ROWS, _COLUMNS = (0, 1, 0, 1, 2), (0, 1, 1, 2, 0)  # of x^2, y^2, xy, yz and zx in the matrix w w^T
 
 
-def exponential(mean: np.ndarray, stderr: np.ndarray, moments: np.ndarray, normals: np.ndarray,
-                boundary: Surface) -> np.ndarray:
-    """The numbers of LitImages.lamp_changes, (points, sources, 9). `mean` of the light and its standard error, (points,
-    sources); `moments`, (points, sources, 8), as in LightEstimate; `normals`: (points, 3).
+def even_moments(normals: np.ndarray, boundary: Surface) -> np.ndarray:
+    """(points, 8): the moments of light of mean 1 that is the same in all directions, inside a smooth boundary."""
+    even = _Rule(boundary).even[0]
+    back = np.swapaxes(frames_about(normals), -1, -2)
+    first, second = _turned(back, np.broadcast_to(even[:3], normals.shape), _matrix(even[3:], 1.0))
+    return np.concatenate([first, second[..., _ROWS, _COLUMNS]], axis=-1)
 
-    A conjugate prior stands for noise. It counts like one more path of light that is the same in all directions: bright
-    points change little, and light that a few paths have brought depends little on the direction."""
+
+def exponential(mean: np.ndarray, excess: Measured, normals: np.ndarray, boundary: Surface) -> np.ndarray:
+    """The numbers of LitImages.lamp_changes, (points, sources, 9). `mean` of the light, (points, sources); `excess` of
+    its moments over those of light that is the same in all directions, (points, sources, 8); `normals`: (points, 3).
+
+    Noise: each moment, in axes about the normal, is drawn to its mean over the points of a source, by the share of
+    noise in its variance over the points (empirical Bayes)."""
     frames, rule = frames_about(normals)[:, None], _Rule(boundary)
-    first, second = _turned(frames, moments[..., :3], _matrix(moments[..., 3:], mean))
-    even = rule.moments(np.zeros((1, 8)))[1][0]
-    weight = np.divide(mean, mean**2 + stderr**2, out=np.zeros_like(mean), where=mean > 0.0)[..., None]
-    excess = np.concatenate([first, second[..., _ROWS, _COLUMNS]], axis=-1) - mean[..., None] * even
-    wanted = np.clip(even + weight * excess, -1.0, 1.0).reshape(-1, 8)
+    even, spread = rule.even
+    first, second = _turned(frames, excess.value[..., :3], _matrix(excess.value[..., 3:], 0.0))
+    local = np.concatenate([first, second[..., _ROWS, _COLUMNS]], axis=-1)
+    lit = np.maximum(mean, 0.0)[..., None]
+    local = np.divide(local, lit, out=np.zeros_like(local), where=lit > 0.0)
+    # Noise is distributed over the moments as that of paths with directions of even light
+    total = (excess.stderr[..., :3] ** 2).sum(axis=-1, keepdims=True)
+    noise = spread * np.divide(total, spread[:3].sum() * lit**2, out=np.zeros_like(lit), where=lit > 0.0)
+    weight = np.divide(lit, lit.sum(axis=0), out=np.zeros_like(lit), where=lit.sum(axis=0) > 0.0)
+    usual = (weight * local).sum(axis=0)
+    signal = np.maximum((weight * ((local - usual) ** 2 - noise)).sum(axis=0), 0.0)
+    share = np.divide(signal, signal + noise, out=np.zeros_like(local), where=signal + noise > 0.0)
+    wanted = np.clip(even + (lit > 0.0) * (usual + share * (local - usual)), -1.0, 1.0).reshape(-1, 8)
     found = np.concatenate([rule.solved(wanted[start:start + _BLOCK]) for start in range(0, len(wanted), _BLOCK)])
     found = found.reshape(*mean.shape, 9)
     back = np.swapaxes(frames, -1, -2)
@@ -45,7 +61,7 @@ def exponential(mean: np.ndarray, stderr: np.ndarray, moments: np.ndarray, norma
     return np.concatenate([linear, products, found[..., 8:] + last], axis=-1)
 
 
-def _matrix(products: np.ndarray, trace: np.ndarray) -> np.ndarray:
+def _matrix(products: np.ndarray, trace: np.ndarray | float) -> np.ndarray:
     """The symmetric matrix of xx, yy, xy, yz and zx, whose zz is such that it has this trace."""
     matrix = np.empty((*products.shape[:-1], 3, 3))
     matrix[..., _ROWS, _COLUMNS] = matrix[..., _COLUMNS, _ROWS] = products
@@ -70,6 +86,8 @@ class _Rule:
         z = np.repeat(z, _AZIMUTHS)
         self._terms = np.stack([x, y, z, x * x, y * y, x * y, y * z, z * x])
         self._squares = (self._terms[:, None] * self._terms).reshape(64, -1).T
+        _, mean, square = self.moments(np.zeros((1, 8)))
+        self.even = mean[0], np.diag(square[0]) - mean[0] ** 2  # of even light: mean terms and their variances
 
     def moments(self, steepness: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(the cosine-weighted mean Z of exp(steepness . terms), mean terms, mean products of two terms, both by the

@@ -19,7 +19,7 @@ from ..interior.occluders import Occluders
 from ..interior.problem import Lights, Problem, Run, Surface
 from ..interior.solid import Solid
 from ..walks.searchlight_moments import Measured
-from .exponential import exponential
+from .exponential import even_moments, exponential
 from .map_walk import MapWalk, Target, map_of
 from .noise import noise_of, preview_report
 from .places import Places
@@ -92,15 +92,18 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     places, problem = walked.places, walked.walker.problem
     by_view = problem.points.views is None
-    joined = _joined(found)
-    # One filter for light and moments: the ratio of both is then that of a mean over texels
-    values = smoothed(places, problem.interior, joined) if walked.done else joined.value
-    light = np.maximum(values[..., :3], 0.0)
+    measured = _joined(found)
+    # Moments less those of the same light from all directions, which have less noise
+    even = even_moments(problem.points.normals, problem.boundary)[:, None]
+    measured.value[..., 3:] -= even * measured.value[..., :3].mean(axis=-1, keepdims=True)
+    if walked.done:
+        measured = smoothed(places, problem.interior, measured)
+    light = np.maximum(measured.value[..., :3], 0.0)
     lamps, sky = _filled(places, light, margin)
     changes: tuple[np.ndarray | None, np.ndarray | None] = None, None
     if by_view:
-        error = joined.stderr[..., :3].mean(axis=-1)
-        change = exponential(light.mean(axis=-1), error, values[..., 3:], problem.points.normals, problem.boundary)
+        excess = Measured(measured.value[..., 3:], measured.stderr[..., 3:])
+        change = exponential(light.mean(axis=-1), excess, problem.points.normals, problem.boundary)
         changes = _filled(places, change, margin)
     return LitImages(lamps, sky, *changes, places.mask, found, noise_of(found), time.perf_counter() - walked.began,
                      places.notes, walked.done)

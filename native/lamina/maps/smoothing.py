@@ -23,23 +23,29 @@ FACING = 0.5  # least cosine between normals of neighbours
 FAR = 3.0  # a neighbour may be so many times as far away as its distance in texels says
 
 
-def smoothed(places: Places, interior: Interior, measured: Measured) -> np.ndarray:
-    """Values of less noise at the points of a map over an image, (points, ...); last axis channels. `measured`: values
-    and standard errors. Values of vertices are returned as they are."""
+def smoothed(places: Places, interior: Interior, measured: Measured, channels: int = 3) -> Measured:
+    """Values of less noise at the points of a map over an image, with approximate standard errors, (points, ...); last
+    axis: the channels, whose filter is one, and others, whose filter is another one. `measured`: values and standard
+    errors. Values of vertices are returned as they are."""
     if not places.is_image:
-        return measured.value
+        return measured
     shape = measured.value.shape
     values = np.nan_to_num(measured.value.reshape(len(measured.value), int(np.prod(shape[1:]))))
     variances = np.nan_to_num(measured.stderr.reshape(values.shape)) ** 2
     window = _Window(places)
     fit, leverage = _regression(window, _guides(places, interior), values)
     residual = values - fit
+    noise = window.mean(variances).reshape(shape)
+    rest = window.mean(residual**2 - (1.0 - leverage[:, None]) * variances).reshape(shape)
+    share = np.ones(shape)
     # All channels share one factor, so that the filter adds no colour.
-    noise = window.mean(variances).reshape(shape).mean(axis=-1, keepdims=True)
-    rest = window.mean(residual**2 - (1.0 - leverage[:, None]) * variances)
-    rest = np.maximum(rest.reshape(shape).mean(axis=-1, keepdims=True), 0.0)
-    share = np.divide(rest, rest + noise, out=np.ones_like(rest), where=rest + noise > 0.0)
-    return fit.reshape(shape) + share * residual.reshape(shape)
+    for part in [slice(channels), slice(channels, None)][:1 + (shape[-1] > channels)]:
+        left = np.maximum(rest[..., part].mean(axis=-1, keepdims=True), 0.0)
+        total = left + noise[..., part].mean(axis=-1, keepdims=True)
+        share[..., part] = np.divide(left, total, out=np.ones_like(total), where=total > 0.0)
+    own = leverage.reshape(-1, *(1,) * (len(shape) - 1))
+    kept = np.sqrt(own + share**2 * (1.0 - own))  # of the noise
+    return Measured(fit.reshape(shape) + share * residual.reshape(shape), kept * np.sqrt(variances).reshape(shape))
 
 
 class _Window:

@@ -34,7 +34,7 @@ def test_veins_stay_and_noise_goes(width):
     points = places().points
     few, many = (lamina.walk_in_mesh(SOLID, interior, points.positions, points.normals, surface=Surface(1.5, 0.09),
                                      samples=samples, seed=seed).albedo for samples, seed in ((12, 1), (192, 2)))
-    found = smoothed(places(), interior, few)
+    found = smoothed(places(), interior, few).value
     truth, noise = many.value, np.mean(many.stderr**2)
 
     def rms(values, where=slice(None)):
@@ -61,7 +61,7 @@ def test_details_that_the_guides_do_not_know_are_kept():
     edge = (np.arange(SIDE * SIDE) % SIDE >= SIDE // 2).astype(float)[:, None] * [1.0, 0.8, 0.6]
     noise = 0.02
     noisy = edge + noise * rng.standard_normal(edge.shape)
-    found = smoothed(places(), uniform, Measured(noisy, np.full(edge.shape, noise)))
+    found = smoothed(places(), uniform, Measured(noisy, np.full(edge.shape, noise))).value
     beside = np.abs(np.arange(SIDE * SIDE) % SIDE - SIDE // 2 + 0.5) < 1.0
     assert np.sqrt(np.mean((found - edge)[beside] ** 2)) < 2.0 * noise
     away = np.abs(np.arange(SIDE * SIDE) % SIDE - SIDE // 2 + 0.5) > 10.0
@@ -71,5 +71,5 @@ def test_details_that_the_guides_do_not_know_are_kept():
 def test_without_noise_nothing_changes():
     rng = np.random.default_rng(5)
     values = rng.uniform(size=(SIDE * SIDE, 2, 3))
-    found = smoothed(places(), Interior.uniform(EndMaterial(1.0, 0.1)), Measured(values, np.zeros(values.shape)))
+    found = smoothed(places(), Interior.uniform(EndMaterial(1.0, 0.1)), Measured(values, np.zeros(values.shape))).value
     np.testing.assert_allclose(found, values, atol=1e-12)
