@@ -33,29 +33,37 @@ def even_moments(normals: np.ndarray, boundary: Surface) -> np.ndarray:
 
 def exponential(mean: np.ndarray, excess: Measured, normals: np.ndarray, boundary: Surface) -> np.ndarray:
     """The numbers of LitImages.lamp_changes, (points, sources, 9). `mean` of the light, (points, sources); `excess` of
-    its moments over those of light that is the same in all directions, (points, sources, 8); `normals`: (points, 3).
-
-    Noise: each moment, in axes about the normal, is drawn to its mean over the points of a source, by the share of
-    noise in its variance over the points (empirical Bayes)."""
+    its moments over those of light that is the same in all directions, (points, sources, 8); `normals`: (points, 3)."""
     frames, rule = frames_about(normals)[:, None], _Rule(boundary)
     even, spread = rule.even
     first, second = _turned(frames, excess.value[..., :3], _matrix(excess.value[..., 3:], 0.0))
     local = np.concatenate([first, second[..., _ROWS, _COLUMNS]], axis=-1)
-    lit = np.maximum(mean, 0.0)[..., None]
-    local = np.divide(local, lit, out=np.zeros_like(local), where=lit > 0.0)
     # Noise is distributed over the moments as that of paths with directions of even light
     total = (excess.stderr[..., :3] ** 2).sum(axis=-1, keepdims=True)
-    noise = spread * np.divide(total, spread[:3].sum() * lit**2, out=np.zeros_like(lit), where=lit > 0.0)
-    weight = np.divide(lit, lit.sum(axis=0), out=np.zeros_like(lit), where=lit.sum(axis=0) > 0.0)
-    usual = (weight * local).sum(axis=0)
-    signal = np.maximum((weight * ((local - usual) ** 2 - noise)).sum(axis=0), 0.0)
-    share = np.divide(signal, signal + noise, out=np.zeros_like(local), where=signal + noise > 0.0)
-    wanted = np.clip(even + (lit > 0.0) * (usual + share * (local - usual)), -1.0, 1.0).reshape(-1, 8)
+    drawn = _less_noise(local, spread * total / spread[:3].sum(), np.maximum(mean, 0.0)[..., None])
+    wanted = np.clip(even + drawn, -1.0, 1.0).reshape(-1, 8)
     found = np.concatenate([rule.solved(wanted[start:start + _BLOCK]) for start in range(0, len(wanted), _BLOCK)])
-    found = found.reshape(*mean.shape, 9)
-    back = np.swapaxes(frames, -1, -2)
+    return _terms_of_object(frames, found.reshape(*mean.shape, 9))
+
+
+def _less_noise(values: np.ndarray, variances: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """Values over the light, (points, sources, moments), with less noise; 0 without light. Each is drawn to the mean
+    over the points of its source by the share of noise in the variance over the points (empirical Bayes)."""
+    is_lit = light > 0.0
+    ratio = np.divide(values, light, out=np.zeros_like(values), where=is_lit)
+    noise = np.divide(variances, light**2, out=np.zeros_like(values), where=is_lit)
+    weight = np.divide(light, light.sum(axis=0), out=np.zeros_like(light), where=is_lit)
+    usual = (weight * ratio).sum(axis=0)
+    signal = np.maximum((weight * ((ratio - usual) ** 2 - noise)).sum(axis=0), 0.0)
+    share = np.divide(signal, signal + noise, out=np.zeros_like(values), where=signal + noise > 0.0)
+    return is_lit * (usual + share * (ratio - usual))
+
+
+def _terms_of_object(frames: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """Factors of the terms in the object's axes, from those in axes about the normals."""
     half = np.array([1.0, 1.0, 0.5, 0.5, 0.5])
-    linear, square = _turned(back, found[..., :3], _matrix(half * found[..., 3:8], found[..., 3] + found[..., 4]))
+    matrix = _matrix(half * found[..., 3:8], found[..., 3] + found[..., 4])
+    linear, square = _turned(np.swapaxes(frames, -1, -2), found[..., :3], matrix)
     last = square[..., 2, 2, None]  # z^2 = 1 - x^2 - y^2
     products = (square[..., _ROWS, _COLUMNS] - last * [1.0, 1.0, 0.0, 0.0, 0.0]) / half
     return np.concatenate([linear, products, found[..., 8:] + last], axis=-1)
