@@ -40,19 +40,21 @@ def exponential(mean: np.ndarray, excess: Measured, normals: np.ndarray, boundar
     local = np.concatenate([first, second[..., _ROWS, _COLUMNS]], axis=-1)
     # Noise is distributed over the moments as that of paths with directions of even light
     total = (excess.stderr[..., :3] ** 2).sum(axis=-1, keepdims=True)
-    drawn = _less_noise(local, spread * total / spread[:3].sum(), np.maximum(mean, 0.0)[..., None])
+    drawn = _less_noise(local, spread * total / spread[:3].sum(), np.maximum(mean, 0.0)[..., None], spread)
     wanted = np.clip(even + drawn, -1.0, 1.0).reshape(-1, 8)
     found = np.concatenate([rule.solved(wanted[start:start + _BLOCK]) for start in range(0, len(wanted), _BLOCK)])
     return _terms_of_object(frames, found.reshape(*mean.shape, 9))
 
 
-def _less_noise(values: np.ndarray, variances: np.ndarray, light: np.ndarray) -> np.ndarray:
+def _less_noise(values: np.ndarray, variances: np.ndarray, light: np.ndarray, spread: np.ndarray) -> np.ndarray:
     """Values over the light, (points, sources, moments), with less noise; 0 without light. Each is drawn to the mean
-    over the points of its source by the share of noise in the variance over the points (empirical Bayes)."""
+    over the points of its source by the share of noise in the variance over the points (empirical Bayes). Points with
+    more noise than the moments' `spread` count less."""
     is_lit = light > 0.0
     ratio = np.divide(values, light, out=np.zeros_like(values), where=is_lit)
     noise = np.divide(variances, light**2, out=np.zeros_like(values), where=is_lit)
-    weight = np.divide(light, light.sum(axis=0), out=np.zeros_like(light), where=is_lit)
+    weight = is_lit / (spread + noise)
+    weight /= np.maximum(weight.sum(axis=0), 1e-30)
     usual = (weight * ratio).sum(axis=0)
     signal = np.maximum((weight * ((ratio - usual) ** 2 - noise)).sum(axis=0), 0.0)
     share = np.divide(signal, signal + noise, out=np.zeros_like(values), where=signal + noise > 0.0)

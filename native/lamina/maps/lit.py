@@ -93,9 +93,15 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
     places, problem = walked.places, walked.walker.problem
     by_view = problem.points.views is None
     measured = _joined(found)
-    # Moments less those of the same light from all directions, which have less noise
+    # Moments less those of the same light in all directions, which have less noise: the variance of w (t - e) with a
+    # path's light w, if t is the path's term and e its mean, is that of w t less (2 e E[t] - e^2) times that of w.
     even = even_moments(problem.points.normals, problem.boundary)[:, None]
-    measured.value[..., 3:] -= even * measured.value[..., :3].mean(axis=-1, keepdims=True)
+    gray, moments = measured.value[..., :3].mean(axis=-1, keepdims=True), measured.value[..., 3:]
+    ratio = np.divide(moments, gray, out=np.zeros_like(moments), where=gray > 0.0)
+    common = (2.0 * even * ratio - even**2) * (measured.stderr[..., :3] ** 2).mean(axis=-1, keepdims=True)
+    least = 0.1 * measured.stderr[..., 3:]
+    measured.stderr[..., 3:] = np.maximum(np.sqrt(np.maximum(measured.stderr[..., 3:] ** 2 - common, 0.0)), least)
+    measured.value[..., 3:] -= even * gray
     if walked.done:
         measured = smoothed(places, problem.interior, measured)
     light = np.maximum(measured.value[..., :3], 0.0)
