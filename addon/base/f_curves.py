@@ -8,7 +8,7 @@ def of_all(animation):
     """The collections of F-curves of the active action and of the actions in strips."""
     strips = [strip for track in animation.nla_tracks for strip in track.strips if strip.action]
     found = {}
-    # Strips may share an action, whose curves must not follow twice.
+    # Strips may share an action, whose curves count once.
     for one in (animation, *strips):
         if one.action is not None:
             found[one.action.session_uid, getattr(one, "action_slot_handle", 0)] = of_active(one)

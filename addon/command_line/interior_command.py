@@ -16,7 +16,7 @@ from .argument_types import number, whole
 from .exit_codes import FAILED, OK, UsageError
 from .saved import saved
 
-MOST_FRAME = 1048574  # of Blender
+MOST_FRAME = 1048574  # Blender's last frame
 KINDS = {"relightable": "RELIGHTABLE", "lit": "LIT"}
 
 

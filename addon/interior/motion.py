@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What moves in the animation. Images of an interior hold one shape, and those of LIT one moment's light."""
+"""What moves in the animation: images of an interior fit one shape, and light maps hold one frame's light."""
 
 from ..base import f_curves
 from . import lamps, seen

@@ -9,8 +9,8 @@ import numpy as np
 from ..base import data_image
 from . import boundary_graph, relightable_graph
 
-# The largest light in a direction, over the mean. Where a surface is curved, texels are also seen from below
-# their horizon, where their exponentials are not fitted.
+# The largest light in a direction, over the mean. A texel of a curved surface is also seen from below its
+# tangent plane, where its exponential is not fitted.
 LARGEST = 5.0
 
 # Sockets of the direction to the eye in the object's own axes, of (xy, yz, zx), and of two squares.
@@ -90,11 +90,10 @@ def _towards(graph, textures, name, row, image, change, view):
     linear = textures.node(f"{name} by view", change[..., :4], row + 1)
     square = textures.node(f"{name} by view squared", change[..., [5, 6, 7, 4]], row + 2)
     exponent = light.outputs["Alpha"]
-    for k, (image, vector, number) in enumerate(((linear, view.direction, view.xx),
-                                                 (square, view.products, view.yy)), start=1):
-        color, alpha = image.outputs["Color"], image.outputs["Alpha"]
-        term = graph.vector("DOT_PRODUCT", -1, row + k, image.label, color, vector)
-        term = graph.math("MULTIPLY_ADD", 0, row + k, image.label, alpha, number, term)
+    for k, (node, vector, number) in enumerate(((linear, view.direction, view.xx),
+                                                (square, view.products, view.yy)), start=1):
+        term = graph.vector("DOT_PRODUCT", -1, row + k, node.label, node.outputs["Color"], vector)
+        term = graph.math("MULTIPLY_ADD", 0, row + k, node.label, node.outputs["Alpha"], number, term)
         exponent = graph.math("ADD", 1, row + k, f"{name} exponent", exponent, term)
     exponent = graph.math("MINIMUM", 2, row + 2, f"{name} exponent", exponent, math.log(LARGEST))
     factor = graph.math("EXPONENT", 2, row + 1, f"{name} towards the eye", exponent)

@@ -92,16 +92,13 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
     found: LightEstimate = walked.estimate  # type: ignore[assignment]  # of this kind
     places, problem = walked.places, walked.walker.problem
     by_view = problem.points.views is None
-    measured = _joined(found)
-    # Moments less those of the same light in all directions, which have less noise: the variance of w (t - e) with a
-    # path's light w, if t is the path's term and e its mean, is that of w t less (2 e E[t] - e^2) times that of w.
-    even = even_moments(problem.points.normals, problem.boundary)[:, None]
-    gray, moments = measured.value[..., :3].mean(axis=-1, keepdims=True), measured.value[..., 3:]
-    ratio = np.divide(moments, gray, out=np.zeros_like(moments), where=gray > 0.0)
-    common = (2.0 * even * ratio - even**2) * (measured.stderr[..., :3] ** 2).mean(axis=-1, keepdims=True)
-    least = 0.1 * measured.stderr[..., 3:]
-    measured.stderr[..., 3:] = np.maximum(np.sqrt(np.maximum(measured.stderr[..., 3:] ** 2 - common, 0.0)), least)
-    measured.value[..., 3:] -= even * gray
+    # One pass for light and moments, because the regression's matrices are the same
+    measured = _joined(found.lamps, found.sky)
+    if by_view:
+        moments = _joined(found.lamp_moments, found.sky_moments)
+        excess = _excess(measured, moments, even_moments(problem.points.normals, problem.boundary)[:, None])
+        measured = Measured(*(np.concatenate([getattr(one, part) for one in (measured, excess)], axis=-1)
+                              for part in ("value", "stderr")))
     if walked.done:
         measured = smoothed(places, problem.interior, measured)
     light = np.maximum(measured.value[..., :3], 0.0)
@@ -115,13 +112,23 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
                      places.notes, walked.done)
 
 
-def _joined(found: LightEstimate) -> Measured:
-    """(points, sources, channels and moments), the surroundings last."""
-    def join(part: str) -> np.ndarray:
-        lamps, sky = ([getattr(one, part) for one in both] for both in ((found.lamps, found.lamp_moments),
-                                                                         (found.sky, found.sky_moments)))
-        return np.concatenate([np.concatenate(lamps, axis=-1), np.concatenate(sky, axis=-1)[:, None]], axis=1)
-    return Measured(join("value"), join("stderr"))
+def _joined(lamps: Measured, sky: Measured) -> Measured:
+    """(points, sources, numbers), the surroundings last."""
+    return Measured(np.concatenate([lamps.value, sky.value[:, None]], axis=1),
+                    np.concatenate([lamps.stderr, sky.stderr[:, None]], axis=1))
+
+
+def _excess(light: Measured, moments: Measured, even: np.ndarray) -> Measured:
+    """The moments less those of the same light in all directions, which have less noise. `even`: moments of such light
+    of mean 1.
+
+    A path brings the light L along a direction with the term t. If e is the term's mean, the variance of L (t - e) is
+    that of L t less (2 e E[t] - e^2) times that of L."""
+    gray = light.value.mean(axis=-1, keepdims=True)
+    ratio = np.divide(moments.value, gray, out=np.zeros_like(moments.value), where=gray > 0.0)
+    common = (2.0 * even * ratio - even**2) * (light.stderr**2).mean(axis=-1, keepdims=True)
+    stderr = np.sqrt(np.maximum(moments.stderr**2 - common, 0.0))
+    return Measured(moments.value - even * gray, np.maximum(stderr, 0.1 * moments.stderr))
 
 
 def _filled(places: Places, values: np.ndarray, margin: int) -> tuple[np.ndarray, np.ndarray]:

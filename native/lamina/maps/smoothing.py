@@ -23,9 +23,9 @@ FACING = 0.5  # least cosine between normals of neighbours
 FAR = 3.0  # a neighbour may be so many times as far away as its distance in texels says
 
 
-def smoothed(places: Places, interior: Interior, measured: Measured, channels: int = 3) -> Measured:
-    """Values of less noise at the points of a map over an image, with approximate standard errors, (points, ...); last
-    axis: the channels, whose filter is one, and others, whose filter is another one. `measured`: values and standard
+def smoothed(places: Places, interior: Interior, measured: Measured) -> Measured:
+    """Values of less noise at the points of a map over an image, with approximate standard errors, (points, ...). The
+    last axis has three channels, and further numbers with a filter of their own. `measured`: values and standard
     errors. Values of vertices are returned as they are."""
     if not places.is_image:
         return measured
@@ -39,7 +39,7 @@ def smoothed(places: Places, interior: Interior, measured: Measured, channels: i
     rest = window.mean(residual**2 - (1.0 - leverage[:, None]) * variances).reshape(shape)
     share = np.ones(shape)
     # All channels share one factor, so that the filter adds no colour.
-    for part in [slice(channels), slice(channels, None)][:1 + (shape[-1] > channels)]:
+    for part in (slice(3), slice(3, None)) if shape[-1] > 3 else (slice(3),):
         left = np.maximum(rest[..., part].mean(axis=-1, keepdims=True), 0.0)
         total = left + noise[..., part].mean(axis=-1, keepdims=True)
         share[..., part] = np.divide(left, total, out=np.ones_like(total), where=total > 0.0)

@@ -153,7 +153,7 @@ def test_light_follows_the_view(jobs, ball, lamina, ior):
     assert len(places.pixels) > 500
     # Radiance changes across the narrow picture, and is limited on a part of it.
     rng = np.random.default_rng(2)
-    color, factors = np.array([0.2, 0.4, 0.9]), rng.normal(0.0, 3.0, 8)
+    color, factors = 0.2 * np.array([0.2, 0.4, 0.9]), rng.normal(0.0, 1.0, 8)
     x, y, z = places.directions.T
     exponent = factors @ [x, y, z, x * x, y * y, x * y, y * z, z * x]
     constant = np.log(5.0) - np.quantile(exponent, 0.7)
@@ -162,13 +162,14 @@ def test_light_follows_the_view(jobs, ball, lamina, ior):
     jobs.apply(material, task, replace(found, lamps=lamps, lamp_changes=changes))
     picture = trial_render.pictures(bpy.context, ball, camera, {}, {})[0][places.pixels]
     wanted = np.exp(np.minimum(exponent + constant, np.log(5.0)))
-    assert np.quantile(wanted, 0.1) < 3.0
+    assert np.quantile(wanted, 0.1) < 4.5 < 5.0 - 1e-9 < np.quantile(wanted, 0.9)
     lamp = task.sources[0]
     light = lamp.factor * lamp.strength * np.array(lamp.colour) * color
     cosine = np.einsum("ij,ij->i", places.directions, places.normals)
     passed = 1.0 - lamina.common.fresnel.fresnel(cosine, ior)
-    inside = cosine > 0.3  # pixels of the silhouette see past it
-    is_close = np.isclose(picture, (wanted * passed)[:, None] * light, rtol=2e-3, atol=1e-3).all(axis=1)
+    # Pixels of the silhouette see past it, and those on the limit see both sides.
+    inside = (cosine > 0.3) & (np.abs(exponent + constant - np.log(5.0)) > 0.02)
+    is_close = np.isclose(picture, (wanted * passed)[:, None] * light, rtol=1e-4, atol=1e-3).all(axis=1)
     assert is_close[inside].mean() > 0.997  # a few pixels see two faces
 
 
