@@ -46,6 +46,8 @@ BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_
 	nodes/test_addon_principled.py test_addon_extension.py::test_the_real_archive_bakes
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
+# No new worker in place of one that crashed: with --dist loadfile, pytest-xdist then waits for ever.
+TWO_WORKERS := -m pytest -n 2 --dist loadfile --max-worker-restart=0
 
 .PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part test-debian lint docs bench test-gpu study study-hard \
 	figures previews assets stubs sanitize fuzz wheel extension release test-release clean
@@ -67,9 +69,9 @@ else
 endif
 
 test: lint docs build/stamps/extension build/stamps/bench
-	$(ONE_BLAS_THREAD) $(RUN) -m pytest -n 2 --dist loadfile tests/core tests/lamina
-	LAMINA_WHEELS=build/wheels $(RUN) -m pytest -n 2 --dist loadfile tests/addon
-	$(RUN) -m pytest -n 2 --dist loadfile tests/cycles
+	$(ONE_BLAS_THREAD) $(RUN) $(TWO_WORKERS) tests/core tests/lamina
+	LAMINA_WHEELS=build/wheels $(RUN) $(TWO_WORKERS) tests/addon
+	$(RUN) $(TWO_WORKERS) tests/cycles
 
 # The tests of add-on and renders in Blender 5.2 LTS, which runs on Python 3.13, and a sample of them.
 ifeq ($(filter python3.13,$(OTHER_PYTHONS)),)
@@ -77,8 +79,8 @@ test-bpy52 test-bpy52-part:
 	@echo "lamina: no tests in Blender 5.2 as a Python module: this machine has no Python 3.13"
 else
 test-bpy52: extension build/stamps/bpy52
-	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest -n 2 --dist loadfile tests/addon
-	$(BPY52)/bin/python -m pytest -n 2 --dist loadfile tests/cycles
+	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python $(TWO_WORKERS) tests/addon
+	$(BPY52)/bin/python $(TWO_WORKERS) tests/cycles
 test-bpy52-part: build/stamps/bpy52
 	LAMINA_WHEELS=build/wheels $(BPY52)/bin/python -m pytest $(addprefix tests/addon/,$(BPY52_PART))
 	$(BPY52)/bin/python -m pytest tests/cycles/test_energy_of_sheets.py tests/cycles/test_oriented_material.py \
