@@ -30,6 +30,7 @@ from lamina import (
     Tabulated,
 )
 from lamina.kinds import bases, phases
+from lamina.material.metals import grazing_range
 
 SHARPEST = 0.93  # of |g|; beyond |g| = .964 the solver refuses, which is tested elsewhere
 MOST_LAYERS = 6
@@ -50,11 +51,18 @@ def with_flakes(stack: Stack, chance: random.Random) -> Stack:
     flakes = drawn(Flakes, chance)
     if chance.random() < 0.3:
         facing = chance.uniform(0.3, 0.95)
-        flakes = Flakes(flakes.tau, flakes.alpha, facing=facing, grazing=chance.uniform(0.5 + 0.5 * facing, 1.0))
+        grazing = possible_grazing(facing, chance.uniform(0.5 + 0.5 * facing, 1.0))
+        flakes = Flakes(flakes.tau, flakes.alpha, facing=facing, grazing=grazing)
     layers = list(stack.layers)
     place = chance.choice(media)
     layers[place] = drawn(Fibers, chance) if chance.random() < 0.3 else flakes
     return Stack(layers, stack.base)
+
+
+def possible_grazing(facing: float, grazing: float) -> float:
+    """The nearest grazing colour that a metal of this facing colour can have. A possible colour stays as it is."""
+    low, high = grazing_range(facing)
+    return min(max(grazing, low), high)
 
 
 class _Maker:
@@ -210,7 +218,8 @@ class _Maker:
             return HalfSpace(self.spread(self.albedo), self.phase())
         if kind == "metal" and self.chance.random() < 0.3:
             facing = self.chance.uniform(0.3, 0.95)
-            return Conductor(facing=facing, grazing=self.chance.uniform(facing, 1.0), **self.facets())
+            grazing = possible_grazing(facing, self.chance.uniform(facing, 1.0))
+            return Conductor(facing=facing, grazing=grazing, **self.facets())
         if kind == "metal":
             return Conductor(self.spread(lambda: self.log(0.05, 4.0)), self.spread(lambda: self.log(0.5, 9.0)),
                              **self.facets())
