@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Veined marble in 1D, in 3D and as Cycles' volume, on a slab and on a cup; and two dragons that glow."""
+"""Veined marble in 1D, in 3D and as Cycles' volume, on a slab and on a cup; dragons and a cup that glow."""
 
 import dataclasses
 import time
@@ -10,23 +10,25 @@ import picture
 from PIL import Image
 
 from . import bodies, differences, methods, portrait, sheet, veins
+from .portrait import Effort
 
 EXPOSURE = 1.1
+# Effort of the methods, of the dragons, and of the cup.
 QUALITIES = {
-    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 6, 8), portrait.Effort(1, 1, 64, 2)),
-    "small": (methods.Effort(36, 6, 14, 0.1, 3, 10, 24), portrait.Effort(1, 8, 300, 10)),
-    "final": (methods.Effort(96, 16, 24, 0.05, 4, 64, 128), portrait.Effort(20, 4, 1000, 48)),
+    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 6, 8), Effort(1, 64, 2), Effort(2, 64, 2)),
+    "small": (methods.Effort(36, 6, 14, 0.1, 3, 10, 24), Effort(1, 300, 10), Effort(16, 300, 10)),
+    "final": (methods.Effort(96, 16, 24, 0.05, 4, 64, 128), Effort(14, 1000, 48), Effort(160, 1000, 48)),
 }
 
 
 def run(out, quality, stack_path, say):
-    """Render marble.png, marble_dragons.png and marble.json into `out`. Returns (files, verdict, True if all is well).
+    """Render marble.png, marble_lit.png and marble.json into `out`. Returns (files, verdict, True if all is well).
 
     Raises ValueError for a stack: the stone has its own coefficients."""
     if stack_path is not None:
         raise ValueError(f"stack = {stack_path}: marble has no stack; leave the option out")
-    of_bodies, of_dragons = QUALITIES[quality]
-    files = [out / "marble.png", out / "marble_dragons.png", out / "marble.json"]
+    of_bodies, *of_portraits = QUALITIES[quality]
+    files = [out / "marble.png", out / "marble_lit.png", out / "marble.json"]
     pattern, rows, facts = veins.Veins(), [], {}
     for body in (bodies.slab(), bodies.cup()):
         made = methods.make(body, pattern, of_bodies, say)
@@ -43,11 +45,12 @@ def run(out, quality, stack_path, say):
             say(f"{body.name}: {methods.NAMES[name]}: {_numbers(one)}")
     sheet.save(files[0], ("Veined marble by six methods", _describe(of_bodies)), rows, EXPOSURE)
     say(f"{files[0].name} is written")
-    pictures, facts["dragons"] = _dragons(of_dragons, say)
+    pictures, facts["portraits"] = _portraits(*of_portraits, say)
     shown = np.concatenate(pictures, axis=1)
     output.place(files[1], lambda partial: Image.fromarray(shown).save(partial, "PNG", optimize=True))
     output.save_json(files[2], {
-        "quality": quality, "effort": dataclasses.asdict(of_bodies), "effort_dragons": dataclasses.asdict(of_dragons),
+        "quality": quality, "effort": dataclasses.asdict(of_bodies),
+        "effort_portraits": [dataclasses.asdict(one) for one in of_portraits],
         "veins": dataclasses.asdict(pattern), "white": veins.WHITE, "vein": veins.VEIN, **facts,
     })
     found, well = facts["slab"]["differences"], verdict_holds(facts["slab"]["differences"])
@@ -73,17 +76,17 @@ def verdict_holds(found):
     return bool(lit["square"] <= limit and ours["square"] <= 0.25 * stock["square"] + noise)
 
 
-def _dragons(effort, say):
-    """(sRGB pictures of the stones, facts as plain data)."""
-    start = time.process_time()
-    made = portrait.figure()
+def _portraits(of_dragons, of_cup, say):
+    """(sRGB pictures of both dragons and of the cup, facts as plain data)."""
+    dragon, cup = portrait.dragon(), portrait.cup()
     pictures, facts = [], {}
-    for stone in (portrait.MARBLE, portrait.GREEN):
+    for stone, made, effort in ((portrait.MARBLE, dragon, of_dragons), (portrait.GREEN, dragon, of_dragons),
+                                (portrait.CANDLE, cup, of_cup)):
+        start = time.process_time()
         pixels, known = portrait.picture(stone, made, effort)
         pictures.append(picture.tone(pixels, stone.exposure))
         facts[stone.name] = {**known, **dataclasses.asdict(stone), "cpu_seconds": time.process_time() - start}
-        say(f"dragon: {stone.name}")
-        start = time.process_time()
+        say(stone.name)
     return pictures, facts
 
 

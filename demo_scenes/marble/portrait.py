@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The dragon in veined stone, lit from behind, so that its thin parts glow. In millimetres.
+"""The dragon in veined stone, lit from behind, so that its thin parts glow, and a cup with a candle. In millimetres.
 
-The light below the surface is computed at the vertices that the eye sees (`lamina.light_in_mesh`), averaged over
-neighbours against noise, and shown by an Emission node under a glossy boundary. Cycles adds the reflections and the
-floor, and Open Image Denoise removes the noise that is left, with albedo and normal passes.
+The light that leaves towards the eye is computed at the vertices (`lamina.lit_images`) and shown by an Emission node
+under a glossy boundary. Cycles adds the reflections and the floor, and Open Image Denoise removes the noise of both,
+with albedo and normal passes.
 """
 
 import math
 from dataclasses import dataclass
 
+import bmesh
 import bpy
 import cycles_render
 import extension
@@ -17,26 +18,23 @@ import node_tree
 import numpy as np
 from dragon import scene as dragon_scene
 from mathutils import Vector
-from mathutils.bvhtree import BVHTree
-from scipy import sparse
 from slab.light import frame, towards_sun
 
-from . import surfaces, veins, view
+from . import bodies, surfaces, veins
 
 LENS = 90.0
 INDEX, ROUGHNESS = 1.5, 0.28  # of the polished surface; Blender's Roughness
-VOXEL = 1.2  # mm
-COLOUR_TIMES = 6
-OUTLIER, OUTLIER_TIMES = 2.5, 4
+VOXELS = 240  # along the longest side
 FLOOR = (0.012, 0.013, 0.016)
 
 
 @dataclass(frozen=True)
 class Stone:
-    """Coefficients (sigma_s, sigma_a) in 1/mm of ground and vein, the pattern, and the view of the dragon.
+    """Coefficients (sigma_s, sigma_a) in 1/mm of ground and vein, the pattern, and the view of a body.
 
-    Angles in degrees. `eye`: azimuth, elevation. `lamps`: azimuth, elevation, angular radius, and irradiance of each.
-    `sky`: its radiance."""
+    Angles in degrees, lengths in mm. `eye`: azimuth, elevation. `lamps`: azimuth, elevation, angular radius, and
+    irradiance of each. `sky`: its radiance. `frame`: the middle of the picture above the floor and to the right, and
+    its width. `flame`: height above the floor on the body's axis, radius, and irradiance at a distance of 1 m."""
 
     name: str
     ground: tuple
@@ -46,6 +44,8 @@ class Stone:
     lamps: tuple
     sky: tuple
     exposure: float
+    frame: tuple = (128.0, -14.0, 300.0)
+    flame: tuple = ()
 
 
 MARBLE = Stone(
@@ -61,49 +61,68 @@ GREEN = Stone(
     eye=(-58.0, 5.0), lamps=((92.0, 22.0, 3.0, (8.0, 7.4, 6.2)), (-165.0, 40.0, 9.0, (0.8, 0.9, 1.05))),
     sky=(0.035, 0.045, 0.05), exposure=1.6,
 )
-HEIGHT, ASIDE, WIDTH = 128.0, -14.0, 300.0  # mm: middle of the picture above the floor and to the right; its width
+CANDLE = Stone(
+    "Cup with a candle", veins.WHITE, ((1.1, 1.3, 1.5), (0.60, 0.48, 0.38)),
+    veins.Veins(spacing=16.0, turn=(0.5, 0.9, 0.6), distortion=5.0, feature=14.0, octaves=3.0, edge=0.9),
+    eye=(-70.0, 36.0), lamps=((130.0, 40.0, 9.0, (0.20, 0.24, 0.32)),), sky=(0.012, 0.015, 0.02), exposure=0.45,
+    frame=(20.0, 4.0, 92.0), flame=(21.0, 3.0, (0.012, 0.0062, 0.0023)),
+)
+CUP_SCALE = 3.0
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Samples per vertex, times of averaging, pixels, samples."""
+    """Samples per vertex, pixels, samples."""
 
     walks: int
-    averaged: int
     size: int
     samples: int
 
 
-def figure():
-    """The dragon as (Blender mesh in mm, triangles (m, 3))."""
+def dragon():
+    """(Blender mesh in mm, triangles (m, 3))."""
     mesh = mesh_file.as_mesh("dragon", *mesh_file.read(dragon_scene.DRAGON))
     return mesh, mesh_file.triangles(mesh)
 
 
+def cup():
+    """As `dragon`."""
+    vertices, *faces = mesh_file.read(bodies.CUP)
+    vertices = CUP_SCALE * (vertices - [0.0, 0.0, vertices[:, 2].min()])
+    mesh = mesh_file.as_mesh("cup", vertices, *faces)
+    return mesh, mesh_file.triangles(mesh)
+
+
 def picture(stone, made, effort):
-    """(linear pixels (size, size, 3), facts as plain data) of the dragon `made` by figure()."""
+    """(linear pixels (size, size, 3), facts as plain data) of the body `made` by dragon() or cup()."""
     import lamina
 
     mesh, triangles = made
-    vertices, normals = (_column(mesh, mesh.vertices, name) for name in ("co", "normal"))
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    vertices = vertices.reshape(-1, 3).astype(float)
     stage, eye = _stage(stone)
-    thing = bpy.data.objects.new("dragon", mesh)
+    thing = bpy.data.objects.new(mesh.name, mesh)
     stage.collection.objects.link(thing)
-    used = _seen(vertices, normals, triangles, np.array(eye.location))
     interior = _interior(stone, thing, vertices)
-    solid = lamina.Solid(vertices, triangles, name="dragon")
+    solid = lamina.Solid(vertices, triangles, name=mesh.name)
     lamps = [lamina.Lamp(tuple(_towards(one)), math.radians(one[2])) for one in stone.lamps]
-    light = lamina.light_in_mesh(solid, interior, lamps, vertices[used], normals[used], samples=effort.walks)
-    radiance = light.sky.value * stone.sky
-    radiance += np.einsum("vlc,lc->vc", light.lamps.value, [one[3] for one in stone.lamps])
-    radiance = without_noise(radiance, used, triangles, len(vertices), effort.averaged)
+    strengths = [one[3] for one in stone.lamps]
+    if stone.flame:
+        height, radius, strength = stone.flame
+        lamps.append(lamina.PointLamp((0.0, 0.0, height), radius))
+        strengths.append(strength)
+        _add_flame(stage, height, radius, strength)
+    light = lamina.lit_images(solid, interior, lamps, eye=tuple(eye.location), samples=effort.walks)
+    radiance = light.sky * stone.sky + np.einsum("lvc,lc->vc", light.lamps, strengths)
     mesh.materials.clear()
-    mesh.materials.append(surfaces.polished(surfaces.lit(mesh, radiance, used), INDEX, ROUGHNESS))
+    shown = surfaces.lit(mesh, radiance, np.arange(len(radiance)))
+    mesh.materials.append(surfaces.polished(shown, INDEX, ROUGHNESS))
     _quality(stage, effort)
     pixels = cycles_render.render(stage)[0]
     bpy.data.scenes.remove(stage)
-    return pixels, {"vertices": len(vertices), "walked": len(used), "walks": effort.walks,
-                    "collisions": light.count.collisions}
+    return pixels, {"vertices": len(vertices), "walked": int(light.mask.sum()), "walks": effort.walks,
+                    "collisions": light.estimate.count.collisions}
 
 
 def _interior(stone, thing, vertices):
@@ -111,47 +130,12 @@ def _interior(stone, thing, vertices):
     import lamina
 
     low, high = vertices.min(axis=0), vertices.max(axis=0)
+    voxels = np.rint(VOXELS * (high - low) / (high - low).max()).astype(int)
     with cycles_render.quiet():
         share = extension.part("interior.node_texture").sample_nodes(
-            thing, veins.material(stone.pattern), low, high, np.rint((high - low) / VOXEL).astype(int))[..., 0]
+            thing, veins.material(stone.pattern), low, high, voxels)[..., 0]
     ends = [lamina.EndMaterial(*stone.ground), lamina.EndMaterial(*stone.vein)]
     return lamina.Interior.mixed(np.clip(share, 0.0, 1.0), ends, low, high)
-
-
-def without_noise(radiance, used, triangles, count, times):
-    """`radiance` (k, 3) at the vertices `used` of `count`, averaged over neighbours: the brightness `times`, the colour
-    COLOUR_TIMES as often, since the colour of light inside stone changes slowly. Before, vertices that are much
-    brighter than their neighbours are dimmed. Nothing is measured from the result."""
-    radiance = without_outliers(radiance, used, triangles, count)
-    brightness = radiance.mean(axis=1, keepdims=True)
-    both = averaged(np.hstack([radiance, brightness]), used, triangles, count, COLOUR_TIMES * times)
-    colour = both[:, :3] / np.maximum(both[:, 3:], 1e-12)
-    return colour * averaged(brightness, used, triangles, count, times)
-
-
-def without_outliers(radiance, used, triangles, count):
-    """`radiance` (k, 3) with a brightness of at most OUTLIER times the typical brightness of the neighbours: the square
-    of the mean of their square roots. A very bright vertex raises this value, hence a second pass."""
-    for _ in range(2):
-        brightness = radiance.mean(axis=1, keepdims=True)
-        typical = averaged(np.sqrt(brightness), used, triangles, count, OUTLIER_TIMES) ** 2
-        radiance = radiance * np.minimum(1.0, OUTLIER * typical / np.maximum(brightness, 1e-12))
-    return radiance
-
-
-def averaged(values, used, triangles, count, times):
-    """Values (k, n) at the vertices `used` of `count`, each replaced `times` by the mean over itself and its neighbours
-    along edges that are used too."""
-    place = np.full(count, -1)
-    place[used] = np.arange(len(used))
-    pairs = place[np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])]
-    a, b = pairs[(pairs >= 0).all(axis=1)].T
-    edges = sparse.coo_array((np.ones(len(a)), (a, b)), shape=(len(used), len(used))).tocsr()
-    edges = ((edges + edges.T) > 0).astype(float) + sparse.eye_array(len(used))
-    weight = np.asarray(edges.sum(axis=1)).reshape(-1, 1)
-    for _ in range(times):
-        values = edges @ values / weight
-    return values
 
 
 def _stage(stone):
@@ -173,12 +157,40 @@ def _stage(stone):
     back = _towards(stone.eye)
     eye.matrix_world = frame(back)
     right = Vector((-back.y, back.x, 0.0)).normalized()
-    eye.location = Vector((0.0, 0.0, HEIGHT)) + ASIDE * right + back * WIDTH * LENS / camera.sensor_width
+    height, aside, width = stone.frame
+    eye.location = Vector((0.0, 0.0, height)) + aside * right + back * width * LENS / camera.sensor_width
     stage.collection.objects.link(eye)
     stage.camera = eye
     stage.collection.objects.link(_floor(back))
     stage.view_layers[0].update()
     return stage, eye
+
+
+def _add_flame(stage, height, radius, strength):
+    """A point lamp of irradiance `strength` at 1 m, and a longish body in its place that only the camera sees."""
+    lamp = bpy.data.lights.new("flame", "POINT")
+    # Irradiance at the distance d is power / (4 pi^2 d^2).
+    lamp.energy, lamp.shadow_soft_size = 4.0 * math.pi**2 * 1e6 * max(strength), radius
+    lamp.color = [value / max(strength) for value in strength]
+    mesh = bpy.data.meshes.new("flame")
+    shape = bmesh.new()
+    bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=radius)
+    for vertex in shape.verts:
+        vertex.co.z *= 2.0 if vertex.co.z > 0.0 else 1.0
+    shape.to_mesh(mesh)
+    shape.free()
+    mesh.shade_smooth()
+    material = bpy.data.materials.new("flame")
+    shader = node_tree.of(material).nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    shader.inputs["Emission Color"].default_value = (*lamp.color, 1.0)
+    shader.inputs["Emission Strength"].default_value = 6.0
+    mesh.materials.append(material)
+    body = bpy.data.objects.new("body of the flame", mesh)
+    body.visible_diffuse = body.visible_glossy = body.visible_shadow = False
+    for one in (bpy.data.objects.new("flame", lamp), body):
+        one.location.z = height
+        stage.collection.objects.link(one)
 
 
 def _floor(back):
@@ -203,27 +215,9 @@ def _towards(angles):
     return towards_sun(*map(math.radians, angles[:2]))
 
 
-def _seen(vertices, normals, triangles, eye):
-    """Indices of the vertices of all triangles that have a vertex in sight of the eye."""
-    tree = BVHTree.FromPolygons(vertices.tolist(), triangles.tolist(), all_triangles=True)
-    towards = eye - vertices
-    towards /= np.linalg.norm(towards, axis=1)[:, None]
-    seen = np.einsum("vk,vk->v", towards, normals) > 0.0
-    starts = vertices[seen] + 0.05 * normals[seen]
-    seen[seen] = np.isinf(view.lengths(tree, starts, towards[seen]))
-    seen[triangles[seen[triangles].any(axis=1)]] = True
-    return np.flatnonzero(seen)
-
-
 def _quality(stage, effort):
     cycles_render.unbiased(stage, effort.size, effort.size, effort.samples, bounces=4)
     stage.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
     # Clamp to reduce noise: nothing is measured from this picture.
     stage.cycles.sample_clamp_indirect = 4.0
     cycles_render.denoised(stage)
-
-
-def _column(mesh, items, name):
-    values = np.empty(3 * len(items), np.float32)
-    items.foreach_get(name, values)
-    return values.reshape(-1, 3).astype(float)

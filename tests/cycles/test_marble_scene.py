@@ -21,7 +21,7 @@ from lamina.maps import places
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "demo_scenes"))
 
-from marble import bodies, columns, demo, differences, light, methods, portrait, sheet, veins, view  # noqa: E402
+from marble import bodies, columns, demo, differences, light, methods, sheet, veins, view  # noqa: E402
 
 EVERYWHERE = np.ones((24, 24), bool)
 SUN_BELOW = np.array((0.3, -0.4, -0.866))
@@ -155,34 +155,6 @@ def test_the_extension_unwraps_the_cup_without_overlaps(addon, size):
     bpy.data.objects.remove(thing)
 
 
-def test_averages_on_a_mesh():
-    """A strip of triangles: constants stay, noise falls, vertices without walks have no influence."""
-    count = 200
-    triangles = np.array([(k, k + 1, k + 2) for k in range(count - 2)])
-    used = np.arange(0, 150)
-    constant = portrait.averaged(np.full((150, 3), 0.7), used, triangles, count, 5)
-    assert constant == pytest.approx(0.7, abs=1e-12)
-    noise = np.random.default_rng(0).standard_normal((150, 3))
-    once, often = (portrait.averaged(noise, used, triangles, count, times).std() for times in (1, 4))
-    assert once == pytest.approx(5.0**-0.5, rel=0.15) and often < 0.75 * once
-    coloured = np.array((1.0, 0.5, 0.25)) * np.linspace(1.0, 2.0, 150)[:, None]
-    still = portrait.without_noise(coloured, used, triangles, count, 2)
-    assert still[20:-20] == pytest.approx(coloured[20:-20], rel=1e-3)
-
-
-def test_a_single_bright_vertex_leaves_no_spot():
-    """One vertex of a net is 300 times as bright as the others, in one channel."""
-    side = 31
-    corner = (side * np.arange(side - 1)[:, None] + np.arange(side - 1)).ravel()
-    triangles = np.concatenate([corner[:, None] + (0, 1, side), corner[:, None] + (1, side, side + 1)])
-    radiance = np.full((side**2, 3), 0.5)
-    radiance[side**2 // 2] = (0.5, 450.0, 0.5)
-    clean = portrait.without_noise(radiance, np.arange(side**2), triangles, side**2, 4)
-    brightness = clean.mean(axis=1, keepdims=True)
-    assert brightness == pytest.approx(np.full_like(brightness, 0.5), rel=0.2)
-    assert clean / brightness == pytest.approx(np.ones_like(clean), rel=0.1)
-
-
 def test_the_verdict_follows_the_numbers():
     def numbers(rms, error=1e-4):
         return {"square": rms**2, "square_error": error}
@@ -203,7 +175,7 @@ def test_the_sheet_is_written(tmp_path):
 
 def test_the_demo_makes_its_files(demo, tmp_path):
     facts, _ = demo("marble")
-    assert all(found["walked"] > 50_000 for found in facts["dragons"].values()) and len(facts["dragons"]) == 2
-    for name in ("marble", "marble_dragons"):
+    assert [found["walked"] > 5_000 for found in facts["portraits"].values()] == [True] * 3
+    for name in ("marble", "marble_lit"):
         with Image.open(tmp_path / f"{name}.png") as picture:
-            assert picture.width >= 2 * facts["effort_dragons"]["size"]
+            assert picture.width >= 3 * facts["effort_portraits"][0]["size"]

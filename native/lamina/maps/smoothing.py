@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reduces the noise of a map without blurring veins.
 
-1. In a window around each texel, a linear regression (weighted by distance) explains the values by the place in the
-   image and by guides: how strongly the interior absorbs below the texel, at several depths. Guides have no noise.
-2. Local Wiener filter (Lee 1980): the residual of the regression is multiplied by S / (S + N), where N is the variance
+1. A point that is much brighter than its neighbours in a channel, by no more than its noise explains, is dimmed. The
+   light that this takes away is spread over a wide window.
+2. In a window around each point, a linear regression (weighted by distance) explains the values by the place on the
+   surface and by guides: how strongly the interior absorbs below the point, at several depths. Guides have no noise.
+3. Local Wiener filter (Lee 1980): the residual of the regression is multiplied by S / (S + N), where N is the variance
    of the noise, known from the walks, and S the rest of the residual's mean square in the window. Where the regression
    explains all but noise, its value remains; where it misses a detail, such as the edge of a shadow, the value of the
-   walks remains. With few noise the filter changes little."""
+   walks remains. With few noise the filter changes little.
+4. Each channel has walks of its own, so the noise is coloured, but the colour of scattered light changes slowly. Its
+   regression and its filter have wide windows."""
 
 from __future__ import annotations
 
@@ -15,82 +19,95 @@ import numpy as np
 from ..interior.grid import Interior
 from ..walks.searchlight_moments import Measured
 from .places import Places, frames_about
+from .windows import Window, windows
 
-REACH = 4  # texels: windows are 9 texels wide
 DEPTHS = (0.5, 2.0, 6.0)  # of the guides, in transport mean free paths
 RIDGE = 1e-3  # keeps the regression stable where a guide is constant
-FACING = 0.5  # least cosine between normals of neighbours
-FAR = 3.0  # a neighbour may be so many times as far away as its distance in texels says
+BRIGHT = 2.5  # times the typical light of the neighbours: brighter points may be dimmed
+LEAST_NOISE = 1e-6  # of a channel's variance, relative to the largest
+SPREAD = 6  # times over wide windows
+CERTAIN = 3.0  # light above this many standard errors is not noise
 
 
-def smoothed(places: Places, interior: Interior, measured: Measured) -> Measured:
-    """Values of less noise at the points of a map over an image, with approximate standard errors, (points, ...). The
-    last axis has three channels, and further numbers with a filter of their own. `measured`: values and standard
-    errors. Values of vertices are returned as they are."""
-    if not places.is_image:
-        return measured
+def smoothed(places: Places, interior: Interior, measured: Measured, is_light: bool) -> Measured:
+    """Values of less noise at the points of a map, with approximate standard errors, (points, ...). The last axis has
+    three channels, and further numbers with a filter of their own. `measured`: values and standard errors. `is_light`:
+    also take steps 1 and 4, which assume that no channel is known much better than another."""
     shape = measured.value.shape
-    values = np.nan_to_num(measured.value.reshape(len(measured.value), int(np.prod(shape[1:]))))
+    values = np.nan_to_num(measured.value.reshape(shape[0], -1, shape[-1]))
     variances = np.nan_to_num(measured.stderr.reshape(values.shape)) ** 2
-    window = _Window(places)
-    fit, leverage = _regression(window, _guides(places, interior), values)
+    narrow, wide = windows(places)
+    guides = _guides(places, interior)
+    if is_light:
+        values, variances = _without_outliers(narrow, wide, values, variances)
+    fit, leverage = _regression(narrow, guides, values)
+    own = leverage[:, None, None]
     residual = values - fit
-    noise = window.mean(variances).reshape(shape)
-    rest = window.mean(residual**2 - (1.0 - leverage[:, None]) * variances).reshape(shape)
-    share = np.ones(shape)
+    noise = _mean(narrow, variances)
+    rest = _mean(narrow, residual**2 - (1.0 - own) * variances)
+    share = np.ones(values.shape)
     # All channels share one factor, so that the filter adds no colour.
     for part in (slice(3), slice(3, None)) if shape[-1] > 3 else (slice(3),):
-        left = np.maximum(rest[..., part].mean(axis=-1, keepdims=True), 0.0)
-        total = left + noise[..., part].mean(axis=-1, keepdims=True)
-        share[..., part] = np.divide(left, total, out=np.ones_like(total), where=total > 0.0)
-    own = leverage.reshape(-1, *(1,) * (len(shape) - 1))
-    kept = np.sqrt(own + share**2 * (1.0 - own))  # of the noise
-    return Measured(fit.reshape(shape) + share * residual.reshape(shape), kept * np.sqrt(variances).reshape(shape))
+        share[..., part] = _share(rest[..., part], noise[..., part])
+    kept = own + share**2 * (1.0 - own)  # of the noise's variance
+    found = fit + share * residual
+    if is_light:
+        found[..., :3] = _coloured(wide, guides, (values[..., :3], variances[..., :3]), found[..., :3], kept[..., :3])
+    return Measured(found.reshape(shape), np.sqrt(kept * variances).reshape(shape))
 
 
-class _Window:
-    """The neighbours of each texel, offset by offset."""
+def _without_outliers(narrow: Window, wide: Window, values: np.ndarray, variances: np.ndarray):
+    """(values, variances) after step 1, channel by channel. Further numbers are dimmed like the mean of channels."""
+    light = was = np.maximum(values[..., :3], 0.0)
+    certain = was - CERTAIN * np.sqrt(variances[..., :3])
+    bright = np.zeros(was.shape, bool)
+    for _ in range(2):  # a very bright point raises what is typical
+        typical = _mean(narrow, np.sqrt(light)) ** 2
+        bright |= light > BRIGHT * typical
+        light = np.where(bright, np.minimum(light, np.maximum(typical, certain)), light)
+    factor = np.ones(values.shape)
+    np.divide(light, was, out=factor[..., :3], where=was > 0.0)
+    factor[..., 3:] = factor[..., :3].mean(axis=-1, keepdims=True)
+    dimmed, taken = factor * values, was - light
+    for _ in range(SPREAD):
+        taken = _mean(wide, taken)
+    dimmed[..., :3] += taken
+    return dimmed, factor**2 * variances
 
-    def __init__(self, places: Places):
-        mask = places.mask
-        self._number = np.full(tuple(side + 2 * REACH for side in mask.shape), -1)
-        self._number[REACH:-REACH, REACH:-REACH][mask] = np.arange(int(mask.sum()))
-        self._rows, self._columns = (index + REACH for index in np.nonzero(mask))
-        self._positions, self._normals = places.points.positions, places.points.normals
-        self._texel = self._texel_size()
-        self.offsets = [(y, x) for y in range(-REACH, REACH + 1) for x in range(-REACH, REACH + 1)]
 
-    def neighbours(self, y: int, x: int) -> tuple[np.ndarray, np.ndarray]:
-        """(number of the neighbour of each texel, or 0; its weight, 0 where there is none on the same part of the
-        surface)."""
-        other = self._number[self._rows + y, self._columns + x]
-        found, away = other >= 0, float(np.hypot(y, x))
-        other = np.where(found, other, 0)
-        distance = np.linalg.norm(self._positions[other] - self._positions, axis=1)
-        facing = np.einsum("ij,ij->i", self._normals[other], self._normals)
-        found &= (distance <= FAR * away * self._texel) & (facing >= FACING * np.linalg.norm(self._normals, axis=1))
-        return other, found * np.exp(-0.5 * (away / (0.5 * REACH)) ** 2)
+def _coloured(wide: Window, guides: np.ndarray, raw: tuple[np.ndarray, np.ndarray], found: np.ndarray,
+              kept: np.ndarray) -> np.ndarray:
+    """`found`, the result of step 3 on the light `raw` (values, variances), with the colours of step 4. `kept`: share
+    of the noise's variance in `found`.
 
-    def mean(self, values: np.ndarray) -> np.ndarray:
-        """The weighted mean over each window of values (points, n)."""
-        total, weights = np.zeros_like(values), np.zeros((len(values), 1))
-        for y, x in self.offsets:
-            other, weight = self.neighbours(y, x)
-            total += weight[:, None] * values[other]
-            weights += weight[:, None]
-        return total / weights
+    With independent noise of variance N in each channel and a known colour c, the best estimate of the brightness is
+    sum(c v / N) / sum(c^2 / N), of variance 1 / sum(c^2 / N)."""
+    values, variances = raw
+    fit = np.maximum(_regression(wide, guides, values)[0], 0.0)
+    gray = fit.mean(axis=-1, keepdims=True)
+    colour = np.divide(fit, gray, out=np.ones_like(fit), where=gray > 0.0)
+    noise = _mean(wide, variances)
+    largest = noise.max(axis=-1, keepdims=True)
+    weights = colour / (np.divide(noise, largest, out=np.ones_like(noise), where=largest > 0.0) + LEAST_NOISE)
+    precision = (colour * weights).sum(axis=-1, keepdims=True)
 
-    def _texel_size(self) -> np.ndarray:
-        """The larger of the distances in mm to the next texels to the right and above, or the median where none is."""
-        steps = np.zeros((2, len(self._rows)))
-        for axis, (y, x) in enumerate(((0, 1), (1, 0))):
-            for sign in (1, -1):
-                other = self._number[self._rows + sign * y, self._columns + sign * x]
-                away = np.linalg.norm(self._positions[other] - self._positions, axis=1)
-                steps[axis] = np.where((other >= 0) & (steps[axis] == 0.0), away, steps[axis])
-        usual = np.median(steps[steps > 0.0]) if (steps > 0.0).any() else 0.0
-        steps = np.where(steps > 0.0, steps, usual)
-        return np.minimum(steps.max(axis=0), FAR * usual)
+    def plain(light: np.ndarray) -> np.ndarray:
+        return colour * (weights * light).sum(axis=-1, keepdims=True) / precision
+
+    noise = np.maximum(noise - colour**2 * largest / precision, 0.0)  # of the difference from the plain colour
+    share = _share(_mean(wide, (values - plain(values)) ** 2) - noise, _mean(wide, kept) * noise)
+    return np.where(gray > 0.0, plain(found) + share * (found - plain(found)), found)
+
+
+def _share(rest: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """S / (S + N) of step 3, one number for all channels, (..., 1)."""
+    left = np.maximum(rest.mean(axis=-1, keepdims=True), 0.0)
+    total = left + noise.mean(axis=-1, keepdims=True)
+    return np.divide(left, total, out=np.ones_like(total), where=total > 0.0)
+
+
+def _mean(window: Window, values: np.ndarray) -> np.ndarray:
+    return window.mean(values.reshape(len(values), -1)).reshape(values.shape)
 
 
 def _guides(places: Places, interior: Interior) -> np.ndarray:
@@ -117,20 +134,20 @@ def _mean_g(interior: Interior) -> float:
     return float(np.mean([one.g for one in interior.palette])) if interior.palette else interior.g
 
 
-def _regression(window: _Window, guides: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(the fit at each texel, the share of the texel's own value in its fit)."""
+def _regression(window: Window, guides: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(the fit at each point, the share of the point's own value in its fit)."""
     count, terms = len(guides), 3 + guides.shape[1]
-    matrix, right = np.zeros((count, terms, terms)), np.zeros((count, terms, values.shape[1]))
-    row = np.empty((count, terms))
-    for y, x in window.offsets:
-        other, weight = window.neighbours(y, x)
-        row[:, 0], row[:, 1], row[:, 2] = 1.0, x / REACH, y / REACH
+    flat = values.reshape(count, -1)
+    matrix, right = np.zeros((count, terms, terms)), np.zeros((count, terms, flat.shape[1]))
+    row = np.ones((count, terms))
+    for other, weight, place in window.members():
+        row[:, 1:3] = place
         row[:, 3:] = guides[other] - guides
         weighted = weight[:, None] * row
         matrix += weighted[:, :, None] * row[:, None, :]
-        right += weighted[:, :, None] * values[other][:, None, :]
+        right += weighted[:, :, None] * flat[other][:, None, :]
     ridge = RIDGE * matrix[:, 0, 0]
     for term in range(1, terms):
         matrix[:, term, term] += ridge
-    inverse = np.linalg.inv(matrix)[:, 0]  # the fit at the texel is the constant term
-    return np.einsum("nt,ntc->nc", inverse, right), inverse[:, 0]
+    inverse = np.linalg.inv(matrix)[:, 0]  # the fit at the point is the constant term
+    return np.einsum("nt,ntc->nc", inverse, right).reshape(values.shape), inverse[:, 0]
