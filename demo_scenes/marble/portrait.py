@@ -64,8 +64,8 @@ GREEN = Stone(
 CANDLE = Stone(
     "Cup with a candle", veins.WHITE, ((1.1, 1.3, 1.5), (0.60, 0.48, 0.38)),
     veins.Veins(spacing=16.0, turn=(0.5, 0.9, 0.6), distortion=5.0, feature=14.0, octaves=3.0, edge=0.9),
-    eye=(-70.0, 36.0), lamps=((130.0, 40.0, 9.0, (0.20, 0.24, 0.32)),), sky=(0.012, 0.015, 0.02), exposure=0.45,
-    frame=(20.0, 4.0, 92.0), flame=(21.0, 3.0, (0.012, 0.0062, 0.0023)),
+    eye=(-70.0, 36.0), lamps=((130.0, 40.0, 9.0, (0.20, 0.24, 0.32)),), sky=(0.012, 0.015, 0.02), exposure=0.35,
+    frame=(20.0, 4.0, 92.0), flame=(28.0, 3.0, (0.012, 0.0062, 0.0023)),
 )
 CUP_SCALE = 3.0
 
