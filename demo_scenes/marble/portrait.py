@@ -176,7 +176,8 @@ def _add_flame(stage, height, radius, strength):
     shape = bmesh.new()
     bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=radius)
     for vertex in shape.verts:
-        vertex.co.z *= 2.0 if vertex.co.z > 0.0 else 1.0
+        narrow = 0.6 * (1.0 - 0.7 * max(vertex.co.z / radius, 0.0))
+        vertex.co = narrow * vertex.co.x, narrow * vertex.co.y, (3.0 if vertex.co.z > 0.0 else 1.0) * vertex.co.z
     shape.to_mesh(mesh)
     shape.free()
     mesh.shade_smooth()
@@ -184,7 +185,7 @@ def _add_flame(stage, height, radius, strength):
     shader = node_tree.of(material).nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     shader.inputs["Emission Color"].default_value = (*lamp.color, 1.0)
-    shader.inputs["Emission Strength"].default_value = 6.0
+    shader.inputs["Emission Strength"].default_value = 60.0
     mesh.materials.append(material)
     body = bpy.data.objects.new("body of the flame", mesh)
     body.visible_diffuse = body.visible_glossy = body.visible_shadow = False

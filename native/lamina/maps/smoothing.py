@@ -32,7 +32,7 @@ CERTAIN = 3.0  # light above this many standard errors is not noise
 def smoothed(places: Places, interior: Interior, measured: Measured, is_light: bool) -> Measured:
     """Values of less noise at the points of a map, with approximate standard errors, (points, ...). The last axis has
     three channels, and further numbers with a filter of their own. `measured`: values and standard errors. `is_light`:
-    also take steps 1 and 4, which assume that no channel is known much better than another."""
+    radiance takes steps 1 and 4 too; an albedo near 1 must keep the precision of its channel."""
     shape = measured.value.shape
     values = np.nan_to_num(measured.value.reshape(shape[0], -1, shape[-1]))
     variances = np.nan_to_num(measured.stderr.reshape(values.shape)) ** 2
