@@ -25,6 +25,7 @@ _unused = []  # of images that wait: an _Unused each
 class _Unused:
     def __init__(self, image):
         self.uid, self.users, self.looks = image.session_uid, image.users, 0
+        self.stays = False  # undo has given the image to a node again
 
 
 def remove(image):
@@ -57,8 +58,12 @@ def poll():
     is_running = renders.is_running() or bpy.app.is_job_running("RENDER_PREVIEW")
     for entry in _unused[:]:
         entry.looks += 1
-        if entry.looks > LOOKS and not is_running:
-            image = with_uid(bpy.data.images, entry.uid)
+        image = with_uid(bpy.data.images, entry.uid)
+        if entry.stays:
+            if image is not None:
+                image.name = image.name.removesuffix(UNUSED)
+            _unused.remove(entry)
+        elif entry.looks > LOOKS and not is_running:
             if image is not None and image.users <= entry.users:
                 bpy.data.images.remove(image)
             _unused.remove(entry)
@@ -72,12 +77,10 @@ def _on_load(*_):
 
 @persistent
 def _on_undo(*_):
-    # An image that undo has given to a node again stays, under its old name.
-    for entry in _unused[:]:
+    # Blender 4.3 does not always allow a name to be written here: the timer writes it.
+    for entry in _unused:
         image = with_uid(bpy.data.images, entry.uid)
-        if image is not None and image.users:
-            _unused.remove(entry)
-            image.name = image.name.removesuffix(UNUSED)
+        entry.stays = image is not None and image.users > 0
 
 
 HANDLERS = {"load_pre": _on_load, "undo_post": _on_undo, "redo_post": _on_undo}
