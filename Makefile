@@ -46,7 +46,7 @@ BPY52_PART := test_addon_versions.py baking/test_addon_bake.py nodes/test_addon_
 	nodes/test_addon_principled.py test_addon_extension.py::test_the_real_archive_bakes
 # For two pytest workers on two cores: OpenBLAS would start two threads in each, which wait for one another.
 ONE_BLAS_THREAD := OPENBLAS_NUM_THREADS=1
-# No new worker in place of one that crashed: with --dist loadfile, pytest-xdist then waits for ever.
+# With --dist loadfile, pytest-xdist starts a new worker in place of one that crashed, and then waits for ever: no restart.
 TWO_WORKERS := -m pytest -n 2 --dist loadfile --max-worker-restart=0
 
 .PHONY: demo check test test-bpy52 test-bpy52-part test-blender test-blender-part test-debian lint docs bench test-gpu study study-hard \

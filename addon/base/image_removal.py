@@ -54,19 +54,19 @@ def replace(old, new):
 
 
 def poll():
-    """The timer's function: remove what no render can read any more."""
+    """The timer's function: remove what no render can read any more, and name what stays."""
     is_running = renders.is_running() or bpy.app.is_job_running("RENDER_PREVIEW")
     for entry in _unused[:]:
         entry.looks += 1
+        is_due = entry.looks > LOOKS and not is_running
+        if not (entry.stays or is_due):
+            continue
         image = with_uid(bpy.data.images, entry.uid)
-        if entry.stays:
-            if image is not None:
-                image.name = image.name.removesuffix(UNUSED)
-            _unused.remove(entry)
-        elif entry.looks > LOOKS and not is_running:
-            if image is not None and image.users <= entry.users:
-                bpy.data.images.remove(image)
-            _unused.remove(entry)
+        if image is not None and entry.stays:
+            image.name = image.name.removesuffix(UNUSED)
+        elif image is not None and image.users <= entry.users:
+            bpy.data.images.remove(image)
+        _unused.remove(entry)
     return INTERVAL if _unused else None
 
 

@@ -72,7 +72,7 @@ CUP_SCALE = 3.0
 
 @dataclass(frozen=True)
 class Effort:
-    """Samples per vertex, pixels, samples."""
+    """Walks per vertex, pixels along an edge, samples of a pixel."""
 
     walks: int
     size: int
@@ -86,7 +86,7 @@ def dragon():
 
 
 def cup():
-    """As `dragon`."""
+    """(Blender mesh in mm, triangles (m, 3)), on the floor."""
     vertices, *faces = mesh_file.read(bodies.CUP)
     vertices = CUP_SCALE * (vertices - [0.0, 0.0, vertices[:, 2].min()])
     mesh = mesh_file.as_mesh("cup", vertices, *faces)
@@ -116,8 +116,7 @@ def picture(stone, made, effort):
     light = lamina.lit_images(solid, interior, lamps, eye=tuple(eye.location), samples=effort.walks)
     radiance = light.sky * stone.sky + np.einsum("lvc,lc->vc", light.lamps, strengths)
     mesh.materials.clear()
-    shown = surfaces.lit(mesh, radiance, np.arange(len(radiance)))
-    mesh.materials.append(surfaces.polished(shown, INDEX, ROUGHNESS))
+    mesh.materials.append(surfaces.polished(surfaces.lit(mesh, radiance), INDEX, ROUGHNESS))
     _quality(stage, effort)
     pixels = cycles_render.render(stage)[0]
     bpy.data.scenes.remove(stage)

@@ -12,11 +12,11 @@ LEAST_IOR = 1.01  # of Cycles' node: practically a matched boundary
 SHARES = np.linspace(0.0, 1.0, 33)  # of the vein, between which the stock node's colours are interpolated
 
 
-def lit(mesh, radiance, used):
-    """An Emission material with `radiance` (k, 3) at the vertices `used`, black at the others."""
+def lit(mesh, radiance):
+    """An Emission material with `radiance` (n, 3) at the vertices."""
     material, tree, output = _new("lit")
     emission = tree.nodes.new("ShaderNodeEmission")
-    _read(tree, mesh, LIT, radiance, used, emission.inputs["Color"])
+    _read(tree, mesh, LIT, radiance, emission.inputs["Color"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
     return material
 
@@ -56,9 +56,8 @@ def stock(mesh, interior, points):
     node.falloff = "RANDOM_WALK"
     for name, value in (("Scale", 1.0), ("IOR", LEAST_IOR), ("Roughness", 0.0), ("Anisotropy", 0.0)):
         node.inputs[name].default_value = value
-    used = np.arange(len(points))
-    _read(tree, mesh, COLOUR, colour, used, node.inputs["Color"])
-    _read(tree, mesh, RADIUS, radius, used, node.inputs["Radius"])
+    _read(tree, mesh, COLOUR, colour, node.inputs["Color"])
+    _read(tree, mesh, RADIUS, radius, node.inputs["Radius"])
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     return material
 
@@ -77,12 +76,10 @@ def _new(name):
     return material, tree, tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def _read(tree, mesh, name, values, used, socket):
-    """Write `values` (k, 3) at the vertices `used` as an attribute of the mesh, and let the socket read it."""
-    full = np.zeros((len(mesh.vertices), 3), np.float32)
-    full[used] = values
+def _read(tree, mesh, name, values, socket):
+    """Write `values` (n, 3) at the vertices as an attribute of the mesh, and let the socket read the attribute."""
     attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
-    attribute.data.foreach_set("vector", full.ravel())
+    attribute.data.foreach_set("vector", np.asarray(values, np.float32).ravel())
     node = tree.nodes.new("ShaderNodeAttribute")
     node.attribute_type, node.attribute_name = "GEOMETRY", name
     tree.links.new(node.outputs["Vector"], socket)

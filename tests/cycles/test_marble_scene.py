@@ -175,7 +175,8 @@ def test_the_sheet_is_written(tmp_path):
 
 def test_the_demo_makes_its_files(demo, tmp_path):
     facts, _ = demo("marble")
-    assert [found["walked"] > 5_000 for found in facts["portraits"].values()] == [True] * 3
+    *dragons, cup = (found["walked"] for found in facts["portraits"].values())
+    assert all(walked > 50_000 for walked in dragons) and len(dragons) == 2 and cup > 5_000
     for name in ("marble", "marble_lit"):
         with Image.open(tmp_path / f"{name}.png") as picture:
             assert picture.width >= 3 * facts["effort_portraits"][0]["size"]

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reduces the noise of a map without blurring veins.
 
-1. A point that is much brighter than its neighbours in a channel, by no more than its noise explains, is dimmed. The
-   light that this takes away is spread over a wide window.
+1. A point is dimmed in a channel if it is much brighter there than its neighbours, by no more than its noise explains.
+   The light that is taken away is spread over a wide window.
 2. In a window around each point, a linear regression (weighted by distance) explains the values by the place on the
    surface and by guides: how strongly the interior absorbs below the point, at several depths. Guides have no noise.
 3. Local Wiener filter (Lee 1980): the residual of the regression is multiplied by S / (S + N), where N is the variance
    of the noise, known from the walks, and S the rest of the residual's mean square in the window. Where the regression
    explains all but noise, its value remains; where it misses a detail, such as the edge of a shadow, the value of the
    walks remains. With few noise the filter changes little.
-4. Each channel has walks of its own, so the noise is coloured, but the colour of scattered light changes slowly. Its
-   regression and its filter have wide windows."""
+4. Each channel has walks of its own, so the noise is coloured. The colour of scattered light changes slowly along the
+   surface: its regression and its filter have wide windows."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ DEPTHS = (0.5, 2.0, 6.0)  # of the guides, in transport mean free paths
 RIDGE = 1e-3  # keeps the regression stable where a guide is constant
 BRIGHT = 2.5  # times the typical light of the neighbours: brighter points may be dimmed
 LEAST_NOISE = 1e-6  # of a channel's variance, relative to the largest
-SPREAD = 6  # times over wide windows
-CERTAIN = 3.0  # light above this many standard errors is not noise
+CERTAIN = 3.0  # standard errors that noise may explain
+SPREAD = 6  # means over wide windows, one after another
 
 
 def smoothed(places: Places, interior: Interior, measured: Measured, is_light: bool) -> Measured:
     """Values of less noise at the points of a map, with approximate standard errors, (points, ...). The last axis has
     three channels, and further numbers with a filter of their own. `measured`: values and standard errors. `is_light`:
-    radiance takes steps 1 and 4 too; an albedo near 1 must keep the precision of its channel."""
+    the values are radiance, and all steps are taken. Otherwise steps 1 and 4 are left out: Relightable needs an albedo
+    near 1 as precisely as the walks of its channel give the albedo."""
     shape = measured.value.shape
     values = np.nan_to_num(measured.value.reshape(shape[0], -1, shape[-1]))
     variances = np.nan_to_num(measured.stderr.reshape(values.shape)) ** 2
@@ -91,12 +92,13 @@ def _coloured(wide: Window, guides: np.ndarray, raw: tuple[np.ndarray, np.ndarra
     weights = colour / (np.divide(noise, largest, out=np.ones_like(noise), where=largest > 0.0) + LEAST_NOISE)
     precision = (colour * weights).sum(axis=-1, keepdims=True)
 
-    def plain(light: np.ndarray) -> np.ndarray:
+    def in_colour(light: np.ndarray) -> np.ndarray:
         return colour * (weights * light).sum(axis=-1, keepdims=True) / precision
 
-    noise = np.maximum(noise - colour**2 * largest / precision, 0.0)  # of the difference from the plain colour
-    share = _share(_mean(wide, (values - plain(values)) ** 2) - noise, _mean(wide, kept) * noise)
-    return np.where(gray > 0.0, plain(found) + share * (found - plain(found)), found)
+    noise = np.maximum(noise - colour**2 * largest / precision, 0.0)  # of values - in_colour(values)
+    share = _share(_mean(wide, (values - in_colour(values)) ** 2) - noise, _mean(wide, kept) * noise)
+    plain = in_colour(found)
+    return np.where(gray > 0.0, plain + share * (found - plain), found)
 
 
 def _share(rest: np.ndarray, noise: np.ndarray) -> np.ndarray:

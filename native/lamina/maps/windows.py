@@ -16,13 +16,13 @@ WIDER = 3
 FACING = 0.5  # least cosine between normals of neighbours
 FAR = 3.0  # a neighbour may be so many times as far away as its distance in texels says
 MOST_EDGES, NEXT, NEAR = 12, 20, 80  # neighbours of a vertex: along edges, within two edges, within four
-ROWS = 1 << 14  # vertices at a time
+ROWS = 1 << 14  # vertices at a time, because of the memory
 
 
 class Window:
-    """`members` yields, for each of some 80 neighbours, (its number for each point, or any number; its weight, 0 where
-    there is no such neighbour on the same part of the surface; its place along two tangents, relative to the window's
-    size, (points, 2))."""
+    """The weighted neighbours of each point. `members` yields some 80 of them in turn, for all points at once: (the
+    neighbours' numbers; their weights; their places along two tangents, relative to the window's size, (points, 2)). A
+    weight is 0, and the number any, where there is no such neighbour on the same part of the surface."""
 
     def members(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         raise NotImplementedError
@@ -91,8 +91,8 @@ class _OfTexels(Window):
 
 
 class _Vertices:
-    """`near`: numbers of the 80 nearest vertices within four edges, each vertex itself first; where a vertex has fewer,
-    it fills the rest itself. `edge`: mean length of the edges of each, in mm."""
+    """`near`: numbers of the 80 nearest vertices within four edges, (vertices, 80). The first is the vertex itself, and
+    so are those that are missing where there are fewer. `edge`: mean length of the edges of each vertex, in mm."""
 
     def __init__(self, places: Places):
         self.positions, self.normals = places.points.positions, places.points.normals

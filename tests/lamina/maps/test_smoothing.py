@@ -36,7 +36,7 @@ def test_veins_stay_and_noise_goes(width):
     points = places().points
     few, many = (lamina.walk_in_mesh(SOLID, interior, points.positions, points.normals, surface=Surface(1.5, 0.09),
                                      samples=samples, seed=seed).albedo for samples, seed in ((12, 1), (192, 2)))
-    found = smoothed(places(), interior, few, True).value
+    found = smoothed(places(), interior, few, is_light=True).value
     truth, noise = many.value, np.mean(many.stderr**2)
 
     def rms(values, where=slice(None)):
@@ -63,7 +63,7 @@ def test_details_that_the_guides_do_not_know_are_kept():
     edge = (np.arange(SIDE * SIDE) % SIDE >= SIDE // 2).astype(float)[:, None] * [1.0, 0.8, 0.6]
     noise = 0.02
     noisy = edge + noise * rng.standard_normal(edge.shape)
-    found = smoothed(places(), uniform, Measured(noisy, np.full(edge.shape, noise)), True).value
+    found = smoothed(places(), uniform, Measured(noisy, np.full(edge.shape, noise)), is_light=True).value
     beside = np.abs(np.arange(SIDE * SIDE) % SIDE - SIDE // 2 + 0.5) < 1.0
     assert np.sqrt(np.mean((found - edge)[beside] ** 2)) < 2.0 * noise
     away = np.abs(np.arange(SIDE * SIDE) % SIDE - SIDE // 2 + 0.5) > 10.0
@@ -74,7 +74,7 @@ def test_without_noise_nothing_changes():
     rng = np.random.default_rng(5)
     values = rng.uniform(size=(SIDE * SIDE, 2, 3))
     found = smoothed(places(), Interior.uniform(EndMaterial(1.0, 0.1)), Measured(values, np.zeros(values.shape)),
-                     True).value
+                     is_light=True).value
     np.testing.assert_allclose(found, values, atol=1e-12)
 
 
@@ -108,7 +108,7 @@ def test_colours_of_noise_go(made):
                           for one in (values, noisy))
         return np.sqrt(np.mean(colour[where] ** 2) / np.mean(before[where] ** 2))
 
-    found, plain = (smoothed(at, UNIFORM, Measured(noisy, np.full(step.shape, noise)), is_light).value
+    found, plain = (smoothed(at, UNIFORM, Measured(noisy, np.full(step.shape, noise)), is_light=is_light).value
                     for is_light in (True, False))
     assert left(found, near | ~near) < 0.33 and left(found, near) < 0.33
     assert left(plain, near) > 0.6
@@ -118,7 +118,8 @@ def test_colours_of_noise_go(made):
 def test_a_channel_without_noise_stays():
     rng, noise = np.random.default_rng(1), np.array([0.0, 0.1, 0.1])
     values = np.full((SIDE * SIDE, 3), 0.8) + noise * rng.standard_normal((SIDE * SIDE, 3))
-    found = smoothed(places(), UNIFORM, Measured(values, np.broadcast_to(noise, values.shape)), True).value
+    found = smoothed(places(), UNIFORM, Measured(values, np.broadcast_to(noise, values.shape)),
+                     is_light=True).value
     np.testing.assert_allclose(found[:, 0], 0.8, rtol=1e-6)
 
 
@@ -130,7 +131,7 @@ def test_a_single_bright_vertex_leaves_no_spot_and_its_light_is_kept():
     middle = NET * (NET // 2) + NET // 2
     values[middle, 1] += 30.0
     errors[middle, 1] = 30.0
-    found = smoothed(at, UNIFORM, Measured(values, errors), True).value
+    found = smoothed(at, UNIFORM, Measured(values, errors), is_light=True).value
     assert found.min() > 0.49 and found.max() < 0.56
     assert found.mean() == pytest.approx(values.mean(), rel=0.01)
 
