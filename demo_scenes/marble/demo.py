@@ -15,8 +15,8 @@ from .portrait import Effort
 EXPOSURE = 1.1
 # Effort of the methods, of the dragons, and of the cup.
 QUALITIES = {
-    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 6, 8), Effort(1, 64, 2), Effort(2, 64, 2)),
-    "small": (methods.Effort(36, 6, 14, 0.1, 3, 10, 24), Effort(1, 300, 10), Effort(16, 300, 10)),
+    "tiny": (methods.Effort(12, 4, 8, 0.1, 3, 6, 8), Effort(2, 64, 2), Effort(2, 64, 2)),
+    "small": (methods.Effort(36, 6, 14, 0.1, 3, 10, 24), Effort(4, 300, 10), Effort(16, 300, 10)),
     "final": (methods.Effort(96, 16, 24, 0.05, 4, 64, 128), Effort(14, 1000, 48), Effort(160, 1000, 48)),
 }
 
