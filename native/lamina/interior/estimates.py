@@ -42,7 +42,7 @@ class ExitEstimate(ByContent):
     `albedo`: the flux that leaves at any point of the surface, without the boundary's reflection at the point of entry.
     `mirrored`, (n,): the share that the boundary reflects at the point of entry. `mean_distance` (mm) and
     `mean_square_distance` (mm^2): straight distance between entry and exit; NaN where no light leaves. Only the first
-    exit counts."""
+    exit counts. With one sample, the standard errors of the distances are NaN, and that of `albedo` is the value."""
 
     albedo: Measured
     mirrored: np.ndarray
@@ -58,7 +58,8 @@ class LightEstimate(ByContent):
     `value` and `stderr`. The boundary's reflection at the point is not included.
 
     `lamp_moments`, (n, lamps, 8), and `sky_moments`, (n, 8): the mean over channels times x, y, z, x^2, y^2, xy, yz and
-    zx of the direction w to the eye, as cosine-weighted means over w; for given directions without a mean."""
+    zx of the direction w to the eye, as cosine-weighted means over w; for given directions without a mean. With one
+    sample, standard errors are the absolute values."""
 
     lamps: Measured
     sky: Measured
@@ -117,8 +118,11 @@ def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:
 
 
 def _mean(sums, squares, samples: int) -> Measured:
+    """The mean with its standard error. One sample has no variance: its square stands in, which is larger on average,
+    by the square of the mean."""
     mean = sums / samples
-    return Measured(mean, np.sqrt(np.maximum(squares / samples - mean * mean, 0.0) / max(1, samples - 1)))
+    variance = np.maximum(squares / samples - mean * mean, 0.0) if samples > 1 else squares
+    return Measured(mean, np.sqrt(variance / max(1, samples - 1)))
 
 
 def _split(found: Measured) -> tuple[Measured, Measured]:
@@ -132,7 +136,8 @@ def _sum(one: Measured, other: Measured) -> Measured:
 
 
 def _ratio(moments, products, power: int, samples: int) -> Measured:
-    """The mean of r**power over the light that leaves, with the standard error of a ratio of means."""
+    """The mean of r**power over the light that leaves, with the standard error of a ratio of means, NaN for one
+    sample."""
     mean = moments / samples
 
     def covariance(i, j):
@@ -141,4 +146,4 @@ def _ratio(moments, products, power: int, samples: int) -> Measured:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = mean[..., power] / mean[..., 0]
         variance = covariance(power, power) - 2.0 * ratio * covariance(0, power) + ratio**2 * covariance(0, 0)
-        return Measured(ratio, np.sqrt(np.maximum(variance, 0.0) / max(1, samples - 1)) / mean[..., 0])
+        return Measured(ratio, np.sqrt(np.maximum(variance, 0.0) / (samples - 1.0)) / mean[..., 0])

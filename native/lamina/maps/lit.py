@@ -79,9 +79,9 @@ def lit_images(solid: Solid, interior: Interior, lamps: Sequence[AnyLamp] = (), 
     within the margin they have copies, beyond it they are black. By default the light is the cosine-weighted mean over
     directions, with its change by direction. In an image of that mean the light of lamps is by photons, as a mean
     over the texel's surface: each lamp sends `samples` photons per point, or as many as `noise` asks for. The images
-    have less noise than the estimates, see lamina.maps.smoothing, but not with one sample, whose noise is unknown.
-    Other arguments and errors are those of relightable_images; `noise` is that of the estimates and concerns the worst
-    lamp or the sky. Lamps are those of light_in_mesh."""
+    have less noise than the estimates, see lamina.maps.smoothing. Other arguments and errors are those of
+    relightable_images; `noise` is that of the estimates and concerns the worst lamp or the sky. Lamps are those of
+    light_in_mesh."""
     problem = Problem(solid, interior, surface, Lights(lamps, surroundings, occluders))
     target = Target(uvs, size, normals, margin, folder, view, eye)
     run = Run(samples, noise, seed, threads, progress, cancel, spread)

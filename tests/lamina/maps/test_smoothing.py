@@ -56,6 +56,17 @@ def test_veins_stay_and_noise_goes(width):
     assert colour.std() < before.std()
 
 
+def test_one_walk_per_point_is_smoothed_too():
+    """One walk does not show its noise: its square stands in."""
+    points = places().points
+    one, many = (lamina.walk_in_mesh(SOLID, stripes(10.0), points.positions, points.normals, surface=Surface(1.5, 0.09),
+                                     samples=samples, seed=seed).albedo for samples, seed in ((1, 1), (192, 2)))
+    assert np.array_equal(one.stderr, one.value)
+    assert np.mean(one.stderr**2) > np.mean((one.value - many.value) ** 2)
+    found = smoothed(places(), stripes(10.0), one, is_light=True).value
+    assert np.mean((found - many.value) ** 2) < 0.25 * np.mean((one.value - many.value) ** 2)
+
+
 def test_details_that_the_guides_do_not_know_are_kept():
     """The edge of a shadow over a homogeneous interior."""
     uniform = Interior.uniform(EndMaterial(1.0, 0.1))
