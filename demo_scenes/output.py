@@ -18,3 +18,9 @@ def save_json(path, facts):
             file.write(json.dumps(facts, indent=2) + "\n")
 
     place(path, write)
+
+
+def save_moving(path, images, seconds=4.0):
+    """An animated PNG of PIL images, which lasts so long and begins again."""
+    place(path, lambda partial: images[0].save(partial, "PNG", save_all=True, append_images=images[1:],
+                                               duration=max(40, round(1000.0 * seconds / len(images))), loop=0))

@@ -151,6 +151,5 @@ def _turntable(out, figure, stand, dusty, setting, frames, say):
         output.place(files[-1], lambda partial, image=image: image.save(partial, "PNG", optimize=True))
         say(f"dragon: frame {k + 1} of {frames}")
     moving = out / "dragon_turntable.png"
-    output.place(moving, lambda partial: images[0].save(
-        partial, "PNG", save_all=True, append_images=images[1:], duration=max(40, 4000 // frames), loop=0))
+    output.save_moving(moving, images)
     return [moving]

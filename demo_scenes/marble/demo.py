@@ -9,9 +9,10 @@ import output
 import picture
 from PIL import Image
 
-from . import bodies, differences, methods, portrait, sheet, veins
+from . import bodies, differences, methods, portrait, sheet, turn, veins
 from .portrait import Effort
 
+OPTIONS = ("turntable",)  # arguments of run() beyond those of every scene
 EXPOSURE = 1.1
 # Effort of the methods, of the dragons, and of the cup.
 QUALITIES = {
@@ -21,10 +22,11 @@ QUALITIES = {
 }
 
 
-def run(out, quality, stack_path, say):
+def run(out, quality, stack_path, say, turntable=0):
     """Render marble.png, marble_lit.png and marble.json into `out`. Returns (files, verdict, True if all is well).
 
-    Raises ValueError for a stack: the stone has its own coefficients."""
+    turntable: number of frames of marble_turntable.png, in which a sun goes once around the dragon. Raises ValueError
+    for a stack: the stone has its own coefficients."""
     if stack_path is not None:
         raise ValueError(f"stack = {stack_path}: marble has no stack; leave the option out")
     of_bodies, *of_portraits = QUALITIES[quality]
@@ -53,6 +55,9 @@ def run(out, quality, stack_path, say):
         "effort_portraits": [dataclasses.asdict(one) for one in of_portraits],
         "veins": dataclasses.asdict(pattern), "white": veins.WHITE, "vein": veins.VEIN, **facts,
     })
+    if turntable:
+        files.append(out / "marble_turntable.png")
+        output.save_moving(files[-1], _turntable(of_portraits[0], turntable, say))
     found, well = facts["slab"]["differences"], verdict_holds(facts["slab"]["differences"])
     numbers = ", ".join(f"{methods.NAMES[name]} {_rms(differences.Difference(**one))[4:]}"
                         for name, one in found.items())
@@ -88,6 +93,15 @@ def _portraits(of_dragons, of_cup, say):
         facts[stone.name] = {**known, **dataclasses.asdict(stone), "cpu_seconds": time.process_time() - start}
         say(stone.name)
     return pictures, facts
+
+
+def _turntable(effort, count, say):
+    """The frames of a sun that goes once around the marble dragon, as PIL images."""
+    images = []
+    for pixels in turn.frames(portrait.MARBLE, portrait.dragon(), effort, count):
+        images.append(Image.fromarray(picture.tone(pixels, turn.EXPOSURE)))
+        say(f"marble: frame {len(images)} of {count}")
+    return images
 
 
 def _numbers(one):

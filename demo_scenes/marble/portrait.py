@@ -93,34 +93,70 @@ def cup():
     return mesh, mesh_file.triangles(mesh)
 
 
-def picture(stone, made, effort):
-    """(linear pixels (size, size, 3), facts as plain data) of the body `made` by dragon() or cup()."""
+@dataclass(frozen=True, eq=False)
+class Sitting:
+    """A body in its scene. `suns`: objects of the stone's lamps, in sequence. `solid`, `interior`: the body as Lamina's
+    walks need it, `lamps` and their `strengths`: the light of the scene as the walks need it."""
+
+    stage: bpy.types.Scene
+    mesh: bpy.types.Mesh
+    suns: list
+    solid: object
+    interior: object
+    lamps: list
+    strengths: list
+
+
+def sitting(stone, made, effort):
+    """The Sitting of the body `made` by dragon() or cup()."""
     import lamina
 
     mesh, triangles = made
     vertices = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", vertices)
     vertices = vertices.reshape(-1, 3).astype(float)
-    stage, eye = _stage(stone)
+    stage, suns = _stage(stone)
     thing = bpy.data.objects.new(mesh.name, mesh)
     stage.collection.objects.link(thing)
-    interior = _interior(stone, thing, vertices)
-    solid = lamina.Solid(vertices, triangles, name=mesh.name)
-    lamps = [lamina.Lamp(tuple(_towards(one)), math.radians(one[2])) for one in stone.lamps]
-    strengths = [one[3] for one in stone.lamps]
+    lamps, strengths = [sun_lamp(one) for one in stone.lamps], [one[3] for one in stone.lamps]
     if stone.flame:
         height, radius, strength = stone.flame
         lamps.append(lamina.PointLamp((0.0, 0.0, height), radius))
         strengths.append(strength)
         _add_flame(stage, height, radius, strength)
-    light = lamina.lit_images(solid, interior, lamps, eye=tuple(eye.location), samples=effort.walks)
-    radiance = light.sky * stone.sky + np.einsum("lvc,lc->vc", light.lamps, strengths)
-    mesh.materials.clear()
-    mesh.materials.append(surfaces.polished(surfaces.lit(mesh, radiance), INDEX, ROUGHNESS))
     _quality(stage, effort)
-    pixels = cycles_render.render(stage)[0]
-    bpy.data.scenes.remove(stage)
-    return pixels, {"vertices": len(vertices), "walked": int(light.mask.sum()), "walks": effort.walks,
+    return Sitting(stage, mesh, suns, lamina.Solid(vertices, triangles, name=mesh.name),
+                   _interior(stone, thing, vertices), lamps, strengths)
+
+
+def sun_lamp(lamp):
+    """The lamina.Lamp of one of a stone's lamps."""
+    import lamina
+
+    return lamina.Lamp(tuple(towards(lamp)), math.radians(lamp[2]))
+
+
+def walked(sat, lamps, effort):
+    """lamina.LitImages of the light of these lamps that leaves the body towards the camera."""
+    import lamina
+
+    return lamina.lit_images(sat.solid, sat.interior, lamps, eye=tuple(sat.stage.camera.location), samples=effort.walks)
+
+
+def shown(sat, radiance):
+    """Linear pixels of the body that emits `radiance` (vertices, 3)."""
+    sat.mesh.materials.clear()
+    sat.mesh.materials.append(surfaces.polished(surfaces.lit(sat.mesh, radiance), INDEX, ROUGHNESS))
+    return cycles_render.render(sat.stage)[0]
+
+
+def picture(stone, made, effort):
+    """(linear pixels (size, size, 3), facts as plain data) of the body `made` by dragon() or cup()."""
+    sat = sitting(stone, made, effort)
+    light = walked(sat, sat.lamps, effort)
+    pixels = shown(sat, light.sky * stone.sky + np.einsum("lvc,lc->vc", light.lamps, sat.strengths))
+    bpy.data.scenes.remove(sat.stage)
+    return pixels, {"vertices": len(light.mask), "walked": int(light.mask.sum()), "walks": effort.walks,
                     "collisions": light.estimate.count.collisions}
 
 
@@ -138,22 +174,24 @@ def _interior(stone, thing, vertices):
 
 
 def _stage(stone):
-    """(scene with lamps, sky, floor and camera; the camera's object)."""
+    """(scene with lamps, sky, floor and camera; objects of the lamps)."""
     stage = bpy.data.scenes.new("portrait")
+    suns = []
     for one in stone.lamps:
         lamp = bpy.data.lights.new("lamp", "SUN")
         lamp.energy, lamp.angle = max(one[3]), 2.0 * math.radians(one[2])
         lamp.color = [value / lamp.energy for value in one[3]]
         sun = bpy.data.objects.new("lamp", lamp)
-        sun.matrix_world = frame(_towards(one))
+        sun.matrix_world = frame(towards(one))
         stage.collection.objects.link(sun)
+        suns.append(sun)
     stage.world = bpy.data.worlds.new("sky")
     background = node_tree.of(stage.world).nodes["Background"]
     background.inputs["Color"].default_value = (*stone.sky, 1.0)
     camera = bpy.data.cameras.new("camera")
     camera.lens, camera.clip_start, camera.clip_end = LENS, 1.0, 1e5
     eye = bpy.data.objects.new("camera", camera)
-    back = _towards(stone.eye)
+    back = towards(stone.eye)
     eye.matrix_world = frame(back)
     right = Vector((-back.y, back.x, 0.0)).normalized()
     height, aside, width = stone.frame
@@ -162,7 +200,7 @@ def _stage(stone):
     stage.camera = eye
     stage.collection.objects.link(_floor(back))
     stage.view_layers[0].update()
-    return stage, eye
+    return stage, suns
 
 
 def _add_flame(stage, height, radius, strength):
@@ -211,7 +249,7 @@ def _floor(back):
     return bpy.data.objects.new("floor", mesh)
 
 
-def _towards(angles):
+def towards(angles):
     return towards_sun(*map(math.radians, angles[:2]))
 
 

@@ -6,6 +6,7 @@ The demo runs at the tiny quality.
 Seeds are fixed.
 """
 
+import dataclasses
 import sys
 from pathlib import Path
 
@@ -21,7 +22,8 @@ from lamina.maps import places
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "demo_scenes"))
 
-from marble import bodies, columns, demo, differences, light, methods, sheet, veins, view  # noqa: E402
+import extension  # noqa: E402
+from marble import bodies, columns, demo, differences, light, methods, portrait, sheet, turn, veins, view  # noqa: E402
 
 EVERYWHERE = np.ones((24, 24), bool)
 SUN_BELOW = np.array((0.3, -0.4, -0.866))
@@ -171,6 +173,18 @@ def test_the_sheet_is_written(tmp_path):
     lines = [["a", "b"]] * len(pictures)
     sheet.save(tmp_path / "marble.png", ("Title", "more"), [(pictures, np.ones((6, 6), bool), lines)] * 2, 1.0)
     assert (tmp_path / "marble.png").stat().st_size > 1000 and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_sun_goes_around(addon, monkeypatch):
+    """First on the camera's right, then on its left."""
+    monkeypatch.setattr(extension, "PACKAGE", addon.__name__)
+    lamp = (portrait.CANDLE.eye[0] + 90.0, 10.0, 3.0, (3.0, 3.0, 3.0))
+    stone = dataclasses.replace(portrait.CANDLE, lamps=(lamp,), flame=())
+    right, left = turn.frames(stone, portrait.cup(), portrait.Effort(2, 48, 4), 2)
+    half = right.shape[1] // 2
+    assert np.isfinite([right, left]).all()
+    assert right[:, half:].mean() > 1.2 * right[:, :half].mean()
+    assert left[:, :half].mean() > 1.2 * left[:, half:].mean()
 
 
 def test_the_demo_makes_its_files(demo, tmp_path):

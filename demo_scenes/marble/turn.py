@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A body under a sun that goes once around it: one walk serves all positions of the sun, so that the noise of the walks
+stays where it is from frame to frame."""
+
+import bpy
+from slab.light import frame
+
+from . import portrait
+
+EXPOSURE = 0.9  # suns in front light the stone more than those behind
+
+
+def frames(stone, made, effort, count):
+    """Yields linear pixels (size, size, 3) for `count` positions of the stone's first sun; the other lamps stay."""
+    first = stone.lamps[0]
+    suns = [(first[0] + 360.0 * k / count, *first[1:]) for k in range(count)]
+    sat = portrait.sitting(stone, made, effort)
+    light = portrait.walked(sat, [*map(portrait.sun_lamp, suns), *sat.lamps[1:]], effort)
+    still = light.sky * stone.sky
+    for of_lamp, strength in zip(light.lamps[count:], sat.strengths[1:], strict=True):
+        still = still + of_lamp * strength
+    for sun, of_sun in zip(suns, light.lamps, strict=False):
+        sat.suns[0].matrix_world = frame(portrait.towards(sun))
+        yield portrait.shown(sat, still + of_sun * sun[3])
+    bpy.data.scenes.remove(sat.stage)
