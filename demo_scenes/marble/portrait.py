@@ -94,9 +94,9 @@ def cup():
 
 
 @dataclass(frozen=True, eq=False)
-class Sitting:
-    """A body in its scene. `suns`: objects of the stone's lamps, in sequence. `solid`, `interior`: the body as Lamina's
-    walks need it, `lamps` and their `strengths`: the light of the scene as the walks need it."""
+class Studio:
+    """A body in its scene. `suns`: objects of the stone's lamps, in sequence. `solid`, `interior`, `lamps`
+    and their `strengths`: the body and its light as Lamina's walks need them."""
 
     stage: bpy.types.Scene
     mesh: bpy.types.Mesh
@@ -107,8 +107,8 @@ class Sitting:
     strengths: list
 
 
-def sitting(stone, made, effort):
-    """The Sitting of the body `made` by dragon() or cup()."""
+def studio_of(stone, made, effort):
+    """The Studio of the body `made` by dragon() or cup()."""
     import lamina
 
     mesh, triangles = made
@@ -125,8 +125,8 @@ def sitting(stone, made, effort):
         strengths.append(strength)
         _add_flame(stage, height, radius, strength)
     _quality(stage, effort)
-    return Sitting(stage, mesh, suns, lamina.Solid(vertices, triangles, name=mesh.name),
-                   _interior(stone, thing, vertices), lamps, strengths)
+    return Studio(stage, mesh, suns, lamina.Solid(vertices, triangles, name=mesh.name),
+                  _interior(stone, thing, vertices), lamps, strengths)
 
 
 def sun_lamp(lamp):
@@ -136,26 +136,27 @@ def sun_lamp(lamp):
     return lamina.Lamp(tuple(towards(lamp)), math.radians(lamp[2]))
 
 
-def walked(sat, lamps, effort):
+def walked(studio, lamps, effort):
     """lamina.LitImages of the light of these lamps that leaves the body towards the camera."""
     import lamina
 
-    return lamina.lit_images(sat.solid, sat.interior, lamps, eye=tuple(sat.stage.camera.location), samples=effort.walks)
+    return lamina.lit_images(studio.solid, studio.interior, lamps, eye=tuple(studio.stage.camera.location),
+                             samples=effort.walks)
 
 
-def shown(sat, radiance):
+def shown(studio, radiance):
     """Linear pixels of the body that emits `radiance` (vertices, 3)."""
-    sat.mesh.materials.clear()
-    sat.mesh.materials.append(surfaces.polished(surfaces.lit(sat.mesh, radiance), INDEX, ROUGHNESS))
-    return cycles_render.render(sat.stage)[0]
+    studio.mesh.materials.clear()
+    studio.mesh.materials.append(surfaces.polished(surfaces.lit(studio.mesh, radiance), INDEX, ROUGHNESS))
+    return cycles_render.render(studio.stage)[0]
 
 
 def picture(stone, made, effort):
     """(linear pixels (size, size, 3), facts as plain data) of the body `made` by dragon() or cup()."""
-    sat = sitting(stone, made, effort)
-    light = walked(sat, sat.lamps, effort)
-    pixels = shown(sat, light.sky * stone.sky + np.einsum("lvc,lc->vc", light.lamps, sat.strengths))
-    bpy.data.scenes.remove(sat.stage)
+    studio = studio_of(stone, made, effort)
+    light = walked(studio, studio.lamps, effort)
+    pixels = shown(studio, light.sky * stone.sky + np.einsum("lvc,lc->vc", light.lamps, studio.strengths))
+    bpy.data.scenes.remove(studio.stage)
     return pixels, {"vertices": len(light.mask), "walked": int(light.mask.sum()), "walks": effort.walks,
                     "collisions": light.estimate.count.collisions}
 

@@ -14,12 +14,12 @@ def frames(stone, made, effort, count):
     """Yields linear pixels (size, size, 3) for `count` positions of the stone's first sun; the other lamps stay."""
     first = stone.lamps[0]
     suns = [(first[0] + 360.0 * k / count, *first[1:]) for k in range(count)]
-    sat = portrait.sitting(stone, made, effort)
-    light = portrait.walked(sat, [*map(portrait.sun_lamp, suns), *sat.lamps[1:]], effort)
+    studio = portrait.studio_of(stone, made, effort)
+    light = portrait.walked(studio, [*map(portrait.sun_lamp, suns), *studio.lamps[1:]], effort)
     still = light.sky * stone.sky
-    for of_lamp, strength in zip(light.lamps[count:], sat.strengths[1:], strict=True):
+    for of_lamp, strength in zip(light.lamps[count:], studio.strengths[1:], strict=True):
         still = still + of_lamp * strength
     for sun, of_sun in zip(suns, light.lamps, strict=False):
-        sat.suns[0].matrix_world = frame(portrait.towards(sun))
-        yield portrait.shown(sat, still + of_sun * sun[3])
-    bpy.data.scenes.remove(sat.stage)
+        studio.suns[0].matrix_world = frame(portrait.towards(sun))
+        yield portrait.shown(studio, still + of_sun * sun[3])
+    bpy.data.scenes.remove(studio.stage)
