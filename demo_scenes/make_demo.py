@@ -49,7 +49,8 @@ def main(argv=None):
     parser.add_argument("--stack", type=Path, help="a stack JSON in place of the scene's own")
     parser.add_argument("--mesh", type=Path, help="dragon: a PLY, OBJ or STL file in place of the dragon")
     parser.add_argument("--up", choices=("y", "z"), default="y", help="dragon: which axis is up in that file")
-    parser.add_argument("--turntable", type=int, default=0, metavar="N", help="dragon, marble: also N frames of a turn")
+    parser.add_argument("--turntable", type=int, default=0, metavar="N",
+                        help="dragon: also N frames of its turn; marble: N frames of a sun that goes around the dragon")
     parser.add_argument("--thumbnails", type=Path, metavar="DIR", help="presets: also a small picture of each into DIR")
     parser.add_argument("--overlays", action="store_true", help="presets: only each overlay over ten materials")
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")

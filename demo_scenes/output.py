@@ -21,6 +21,6 @@ def save_json(path, facts):
 
 
 def save_moving(path, images, seconds=4.0):
-    """An animated PNG of PIL images, which lasts so long and begins again."""
+    """Write PIL images as an animated PNG that repeats. `seconds`: duration of one repetition."""
     place(path, lambda partial: images[0].save(partial, "PNG", save_all=True, append_images=images[1:],
                                                duration=max(40, round(1000.0 * seconds / len(images))), loop=0))

@@ -95,8 +95,8 @@ def cup():
 
 @dataclass(frozen=True, eq=False)
 class Studio:
-    """A body in its scene. `suns`: objects of the stone's lamps, in sequence. `solid`, `interior`, `lamps`
-    and their `strengths`: the body and its light as Lamina's walks need them."""
+    """A body in its scene. `suns`: the objects of the stone's lamps, in sequence. `solid` and `interior`: the body as
+    Lamina's walks need it. `lamps` and `strengths`: all lamps of the scene, the flame last, as the walks need them."""
 
     stage: bpy.types.Scene
     mesh: bpy.types.Mesh
@@ -125,8 +125,10 @@ def studio_of(stone, made, effort):
         strengths.append(strength)
         _add_flame(stage, height, radius, strength)
     _quality(stage, effort)
-    return Studio(stage, mesh, suns, lamina.Solid(vertices, triangles, name=mesh.name),
-                  _interior(stone, thing, vertices), lamps, strengths)
+    interior = _interior(stone, thing, vertices)
+    mesh.materials.clear()
+    mesh.materials.append(surfaces.polished(surfaces.lit(), INDEX, ROUGHNESS))
+    return Studio(stage, mesh, suns, lamina.Solid(vertices, triangles, name=mesh.name), interior, lamps, strengths)
 
 
 def sun_lamp(lamp):
@@ -146,8 +148,7 @@ def walked(studio, lamps, effort):
 
 def shown(studio, radiance):
     """Linear pixels of the body that emits `radiance` (vertices, 3)."""
-    studio.mesh.materials.clear()
-    studio.mesh.materials.append(surfaces.polished(surfaces.lit(studio.mesh, radiance), INDEX, ROUGHNESS))
+    surfaces.write(studio.mesh, surfaces.LIT, radiance)
     return cycles_render.render(studio.stage)[0]
 
 
@@ -251,6 +252,7 @@ def _floor(back):
 
 
 def towards(angles):
+    """The unit vector to the azimuth and elevation, in degrees, with which `angles` begins."""
     return towards_sun(*map(math.radians, angles[:2]))
 
 

@@ -12,11 +12,11 @@ LEAST_IOR = 1.01  # of Cycles' node: practically a matched boundary
 SHARES = np.linspace(0.0, 1.0, 33)  # of the vein, between which the stock node's colours are interpolated
 
 
-def lit(mesh, radiance):
-    """An Emission material with `radiance` (n, 3) at the vertices."""
+def lit():
+    """An Emission material with the radiance that `write` gives to the vertices under the name LIT."""
     material, tree, output = _new("lit")
     emission = tree.nodes.new("ShaderNodeEmission")
-    _read(tree, mesh, LIT, radiance, emission.inputs["Color"])
+    _read(tree, LIT, emission.inputs["Color"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
     return material
 
@@ -39,6 +39,13 @@ def polished(material, index, roughness):
     return material
 
 
+def write(mesh, name, values):
+    """Write `values` (n, 3) at the vertices as an attribute of the mesh."""
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", np.asarray(values, np.float32).ravel())
+    mesh.update_tag()
+
+
 def stock(mesh, interior, points):
     """Subsurface Scattering as an artist sets it: Color is the reflectance of a deep body of the mixture at the point,
     Radius gives the walk the mixture's mean free path. `points`: the vertices (n, 3) in mm."""
@@ -56,8 +63,10 @@ def stock(mesh, interior, points):
     node.falloff = "RANDOM_WALK"
     for name, value in (("Scale", 1.0), ("IOR", LEAST_IOR), ("Roughness", 0.0), ("Anisotropy", 0.0)):
         node.inputs[name].default_value = value
-    _read(tree, mesh, COLOUR, colour, node.inputs["Color"])
-    _read(tree, mesh, RADIUS, radius, node.inputs["Radius"])
+    write(mesh, COLOUR, colour)
+    write(mesh, RADIUS, radius)
+    _read(tree, COLOUR, node.inputs["Color"])
+    _read(tree, RADIUS, node.inputs["Radius"])
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     return material
 
@@ -76,10 +85,8 @@ def _new(name):
     return material, tree, tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def _read(tree, mesh, name, values, socket):
-    """Write `values` (n, 3) at the vertices as an attribute of the mesh, and let the socket read the attribute."""
-    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
-    attribute.data.foreach_set("vector", np.asarray(values, np.float32).ravel())
+def _read(tree, name, socket):
+    """Let the socket read an attribute of the mesh."""
     node = tree.nodes.new("ShaderNodeAttribute")
     node.attribute_type, node.attribute_name = "GEOMETRY", name
     tree.links.new(node.outputs["Vector"], socket)

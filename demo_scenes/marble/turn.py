@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A body under a sun that goes once around it: one walk serves all positions of the sun, so that the noise of the walks
-stays where it is from frame to frame."""
+"""A body under a sun that goes once around it. All positions of the sun share the same walks, so the noise of the walks
+does not flicker from frame to frame."""
 
 import bpy
 from slab.light import frame
 
 from . import portrait
 
-EXPOSURE = 0.9  # suns in front light the stone more than those behind
+EXPOSURE = 0.9  # less than that of the still picture: a sun in front of the stone lights it more than one behind
 
 
 def frames(stone, made, effort, count):

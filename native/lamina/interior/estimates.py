@@ -42,7 +42,7 @@ class ExitEstimate(ByContent):
     `albedo`: the flux that leaves at any point of the surface, without the boundary's reflection at the point of entry.
     `mirrored`, (n,): the share that the boundary reflects at the point of entry. `mean_distance` (mm) and
     `mean_square_distance` (mm^2): straight distance between entry and exit; NaN where no light leaves. Only the first
-    exit counts. With one sample, the standard errors of the distances are NaN, and that of `albedo` is the value."""
+    exit counts. With one sample, the standard error of `albedo` is the value, and those of the distances are NaN."""
 
     albedo: Measured
     mirrored: np.ndarray
@@ -58,8 +58,8 @@ class LightEstimate(ByContent):
     `value` and `stderr`. The boundary's reflection at the point is not included.
 
     `lamp_moments`, (n, lamps, 8), and `sky_moments`, (n, 8): the mean over channels times x, y, z, x^2, y^2, xy, yz and
-    zx of the direction w to the eye, as cosine-weighted means over w; for given directions without a mean. With one
-    sample, standard errors are the absolute values."""
+    zx of the direction w to the eye, as cosine-weighted means over w; for given directions without a mean. A
+    standard error from one sample is the absolute value."""
 
     lamps: Measured
     sky: Measured
@@ -118,11 +118,12 @@ def walk_count(counts: np.ndarray, samples: int, seconds: float) -> WalkCount:
 
 
 def _mean(sums, squares, samples: int) -> Measured:
-    """The mean with its standard error. One sample has no variance: its square stands in, which is larger on average,
-    by the square of the mean."""
+    """The mean with its standard error. One sample does not show its variance. The square of the sample takes the
+    variance's place: on average this is too large, by the square of the mean."""
+    if samples == 1:
+        return Measured(sums, np.sqrt(squares))
     mean = sums / samples
-    variance = np.maximum(squares / samples - mean * mean, 0.0) if samples > 1 else squares
-    return Measured(mean, np.sqrt(variance / max(1, samples - 1)))
+    return Measured(mean, np.sqrt(np.maximum(squares / samples - mean * mean, 0.0) / (samples - 1)))
 
 
 def _split(found: Measured) -> tuple[Measured, Measured]:

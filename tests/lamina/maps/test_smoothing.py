@@ -57,7 +57,7 @@ def test_veins_stay_and_noise_goes(width):
 
 
 def test_one_walk_per_point_is_smoothed_too():
-    """One walk does not show its noise: its square stands in."""
+    """The noise of one walk is unknown. The square of the value takes the place of the variance."""
     points = places().points
     one, many = (lamina.walk_in_mesh(SOLID, stripes(10.0), points.positions, points.normals, surface=Surface(1.5, 0.09),
                                      samples=samples, seed=seed).albedo for samples, seed in ((1, 1), (192, 2)))
