@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`--command lamina interior OBJECT ...`: the light inside objects, as the panel Interior computes it."""
+"""`--command lamina interior OBJECT ...`: the light inside objects, as the panel Depth computes it."""
 
 import os
 import time

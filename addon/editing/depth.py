@@ -8,8 +8,10 @@ from ..properties.material_properties import AUTOMATIC
 def has_lengths(material):
     """True if a medium of the layers is given per millimetre."""
     settings, base = material.lamina, material.lamina.base
-    return (base.kind == "half-space" and base.half_space_form == "coefficients"
-            or any(layer.kind == "medium" and layer.mode == "coefficients" for layer in settings.layers))
+    if base.kind == "half-space" and base.half_space_form == "coefficients":
+        return True
+    media = (layer for layer in settings.layers if layer.kind == "medium")
+    return any(layer.mode in ("coefficients", "pigment") for layer in media)
 
 
 def chosen(material):

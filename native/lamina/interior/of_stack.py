@@ -14,6 +14,7 @@ from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.millimetres import require_millimetres
 from ..material.stack import Stack
+from ..subsurface.depth_colours import in_colours
 from .end_material import CHANNELS, EndMaterial
 from .grid import Interior
 from .problem import Surface
@@ -23,13 +24,14 @@ def interior_of_stack(stack: AnyStack) -> tuple[Interior, Surface]:
     """(interior, surface) of a body that a stack fills: an optional interface on top, and one medium in 1/mm below, as
     a layer or as a half-space; the thickness of a layer is not used. A medium of infinite thickness hides the rest. The
     phase function is isotropic or Henyey-Greenstein. If g differs between channels, all get the mean g, and sigma_s is
-    scaled so that sigma_s (1 - g) stays the same (similarity). Raises StackError for other stacks, InteriorError for
-    coefficients out of range."""
+    scaled so that sigma_s (1 - g) stays the same (similarity). Wavelengths become red, green and blue: media with the
+    color and the mean exit distances of the spectrum in a thick body. Raises StackError for other stacks,
+    InteriorError for coefficients out of range."""
     stack = as_stack(stack)
     stack.require_isotropic("light inside a body")
     stack.require_no_flakes("light inside a body")
-    stack.require_colours("light inside a body")
     require_millimetres(stack)
+    stack = in_colours(stack)
     top = stack.layers[0] if stack.layers and isinstance(stack.layers[0], Interface) else None
     media = [part for part in (*stack.layers[0 if top is None else 1:], stack.base) if part is not None]
     if media and isinstance(media[0], Medium) and np.all(np.asarray(media[0].thickness, float) == np.inf):

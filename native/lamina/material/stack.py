@@ -133,6 +133,10 @@ class Stack(Requirements):
         """Number of channels of a lookup table: 3, red, green and blue, for wavelengths."""
         return self.channels if self.wavelengths is None else RGB
 
+    def channel_name(self, index: int) -> str:
+        """"channel 2", or its wavelength, such as "550 nm", for messages."""
+        return f"channel {index}" if self.wavelengths is None else f"{self.wavelengths[index]:g} nm"
+
     @property
     def has_films(self) -> bool:
         """True if a layer is a thin film."""

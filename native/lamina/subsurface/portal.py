@@ -33,6 +33,7 @@ from ..material.any_stack import AnyStack, as_stack
 from ..material.millimetres import require_millimetres
 from ..solver.solve import ScatteringFunction, solve
 from . import entry_lobes, exit_tilt, first_orders, plane_rings, portal_views, source_depths
+from .depth_colours import in_colours
 from .entry_lobes import EntryLobes
 from .first_orders import FirstOrders
 from .node_parameters import LEAST_IOR
@@ -111,13 +112,14 @@ def portal_tables(stack: AnyStack, quality: str = "final", progress: Progress | 
     function, the portal leaves out the first orders of scattering, which Cycles' volume rendering adds. `scatterings`:
     their number, 1 to 14; by default 1 for isotropic scattering, and more for forward scattering. Fewer render in less
     time and with less noise, and show less of the sun's direction on curved bodies. Beyond an anisotropy of .9 there is
-    always one. Other arguments and errors are those of lamina.subsurface_nodes."""
+    always one. A stack with wavelengths must be one medium, below at most one interface, which becomes a medium of
+    three channels. Other arguments and errors are those of lamina.subsurface_nodes."""
     stack = as_stack(stack)
     stack.require_isotropic("a portal")
     stack.require_no_flakes("a portal")
-    stack.require_colours("a portal")
     require_hidden_metal(stack)
     require_millimetres(stack)
+    stack = in_colours(stack)
     first = first_orders.of_stack(stack, scatterings)
     step = stepper("the portal", progress, cancel)
     beam = searchlight(stack, 1.0, quality, progress=portion(step, 0.0, 0.8), cancel=cancel)

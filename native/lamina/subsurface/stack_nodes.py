@@ -20,6 +20,7 @@ from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.stack import Stack
 from ..solver.solve import solve
+from .depth_colours import exit_colours
 from .node_inputs import SubsurfaceInputs, subsurface_inputs
 from .node_parameters import LEAST_IOR
 from .node_response import LARGEST_G
@@ -36,19 +37,20 @@ def subsurface_nodes(stack: AnyStack, version: tuple[int, int] = (4, 5), mu: flo
     node gets the boundary's `ior`, and its width as `roughness`. All other reflected light determines the node's exit
     albedo and mean exit distance, one per channel, for a view at the cosine `mu`, in (0, 1]. The node's anisotropy is
     the mean cosine of the topmost medium, averaged over channels and clamped to [0, .9]; exit albedo and mean distance
-    match at any anisotropy.
+    match at any anisotropy. Values of a stack with wavelengths are red, green and blue: the color of the exit albedo,
+    and the mean distance of a channel's light.
 
     Arguments and errors are those of searchlight and subsurface_inputs. Raises StackError for a half-space or layer
     without absorption, whose mean exit distance is infinite, and for a metal base that the media do not hide."""
     stack = as_stack(stack)
     stack.require_isotropic("subsurface scattering")
     stack.require_no_flakes("subsurface scattering")
-    stack.require_colours("subsurface scattering")
     require_hidden_metal(stack)
     beam = searchlight(stack, mu, quality, progress=progress, cancel=cancel)
     on_top, ior, roughness = boundary_on_top(stack, mu, quality)
     distance = require_finite_distance(beam, on_top)
     albedo = np.clip((beam.reflectance - on_top) / (1.0 - on_top), 0.0, 1.0)
+    albedo, distance = exit_colours(stack, albedo, distance)
     return subsurface_inputs(albedo, distance, _anisotropy(stack), version, mu, ior, roughness)
 
 
@@ -75,9 +77,9 @@ def require_hidden_metal(stack: Stack) -> None:
     for index in range(stack.channels):
         crossing = math.exp(-2.0 * sum(stack.optics(number, index)[1] for number in media))
         if crossing > MOST_MIRRORED:
-            raise StackError(f"channel {index}: the base is a {word}, and {100.0 * crossing:.3g} % of the light can "
-                             f"reach it and return without scattering: must be at most {100.0 * MOST_MIRRORED:g} %, by "
-                             "media above it, for light that travels sideways")
+            raise StackError(f"{stack.channel_name(index)}: the base is a {word}, and {100.0 * crossing:.3g} % of the "
+                             f"light can reach it and return without scattering: must be at most "
+                             f"{100.0 * MOST_MIRRORED:g} %, by media above it, for light that travels sideways")
 
 
 def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray:
@@ -87,8 +89,8 @@ def require_finite_distance(beam: Searchlight, on_top: np.ndarray) -> np.ndarray
         way = np.where(inside > 1e-9, beam.reflectance * beam.mean_distance / inside, 0.0)
     if not np.all(np.isfinite(way)):
         index = int(np.flatnonzero(~np.isfinite(way))[0])
-        raise StackError(f"channel {index}: light that nothing absorbs leaves at an infinite mean distance, must meet "
-                         "a sigma_a above 0 or a base that absorbs")
+        raise StackError(f"{beam.stack.channel_name(index)}: light that nothing absorbs leaves at an infinite mean "
+                         "distance, must meet a sigma_a above 0 or a base that absorbs")
     return way
 
 

@@ -93,3 +93,18 @@ def test_what_faded_is_told(addon, material):
     material.lamina.base.reflectance = (0.8, 0.8, 0.8)
     assert addon.baking.bake_job.bake_material(material).report["faded"] > 0.0
     assert "Faded into Gamut" in dict(addon.ui.numbers.result_lines(material.lamina.result))
+
+
+def test_a_pigment_in_depth(addon, lamina, material):
+    """The panel Depth is there, and Soft and Exact take the pigment, by the color of its spectrum."""
+    layer = pigment_layer(material)
+    layer.infinite = True
+    assert addon.editing.depth.has_lengths(material)
+    stack = addon.editing.stack_io.to_stack(material)
+    inputs = addon.baking.lateral_job.make(material, output="RELIGHTABLE")
+    wanted = stack.seen(lamina.searchlight(stack, quality="preview").reflectance)
+    assert inputs.albedo == pytest.approx(wanted, rel=2e-3)
+    volume = addon.baking.lateral_job.make(material, output="VOLUME")
+    contents = addon.interior.contents._of_layers(lamina, material)[0]
+    assert volume.medium == contents.palette[0]
+    assert volume.medium.sigma_a[0] < min(volume.medium.sigma_a[1:])

@@ -118,7 +118,9 @@ def test_labelled_values_have_wavelengths():
 
 
 RAMP = Spectrum([400.0, 700.0], [0.1, 0.4])
-DEEP = Stack([Medium(sigma_s=2.0, sigma_a=RAMP, thickness=np.inf)])
+PLATE = Medium(pigment="water", amount=1.0, sigma_s=1.0, thickness=1.0)
+CLEAR = Stack([Medium(sigma_s=2.0, sigma_a=Spectrum([400.0, 700.0], [0.1, 0.0]), thickness=np.inf)],
+              wavelengths=[400.0, 700.0])
 
 
 @pytest.mark.parametrize(("made", "words"), [
@@ -129,9 +131,11 @@ DEEP = Stack([Medium(sigma_s=2.0, sigma_a=RAMP, thickness=np.inf)])
     (lambda: Stack([Medium(RAMP, 1.0)], wavelengths=[500, 500]), "wavelengths: must differ"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], Lambert(RAMP, textured=True))), "base.reflectance: must be one"),
     (lambda: lamina.bake(Stack([Medium(RAMP, 1.0)], PrincipledBase(RAMP))), "base.color: must be one number"),
-    (lambda: lamina.interior_of_stack(DEEP), "wavelengths: must be left out for light inside a body"),
-    (lambda: lamina.portal_tables(DEEP, "preview"), "wavelengths: must be left out for a portal"),
-    (lambda: lamina.subsurface_nodes(DEEP), "wavelengths: must be left out for subsurface scattering"),
+    (lambda: lamina.portal_tables(Stack([PLATE, PLATE]), "preview"), "must be one homogeneous medium, below at most"),
+    (lambda: lamina.interior_of_stack(Stack([Medium(pigment="water", amount=1.0, sigma_s=0.0, thickness=1.0)])),
+     "sigma_s = 0: must be above 0"),
+    (lambda: lamina.interior_of_stack(Stack([PLATE, PLATE])), "must be one homogeneous medium, below at most"),
+    (lambda: lamina.subsurface_nodes(CLEAR, quality="preview"), "700 nm: light that nothing absorbs"),
 ])
 def test_errors_are_sentences(made, words):
     with pytest.raises(StackError, match=words):
