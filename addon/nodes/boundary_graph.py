@@ -7,26 +7,26 @@ from . import mix_shader
 def over(graph, ior, alpha, shader):
     """The shader under a boundary of this index and facet width, which mirrors by Fresnel's equations."""
     share, mirror = reflectance(graph, ior), _mirror(graph, alpha)
-    return mix_shader.between(graph, 6, 0, "boundary over all else", share, shader, mirror)
+    return mix_shader.between(graph, "boundary over all else", share, shader, mirror)
 
 
 def beside(graph, share, alpha, shader):
     """The shader plus the light that such a boundary mirrors, for a shader that is already weakened by the
     boundary. `share`: the socket of `reflectance`."""
-    mirrored = mix_shader.weighted(graph, 6, 0, "mirrored light", share, _mirror(graph, alpha))
-    return mix_shader.added(graph, 7, 0, "with mirrored light", shader, mirrored)
+    mirrored = mix_shader.weighted(graph, "mirrored light", share, _mirror(graph, alpha))
+    return mix_shader.added(graph, "with mirrored light", shader, mirrored)
 
 
 def reflectance(graph, ior):
     """The socket of the share of light that a boundary of this index mirrors towards the eye, by Fresnel's
     equations."""
-    fresnel = graph.node("ShaderNodeFresnel", 5, -4, "boundary")
+    fresnel = graph.node("ShaderNodeFresnel", "boundary")
     fresnel.inputs["IOR"].default_value = ior
     return fresnel.outputs[0]
 
 
 def _mirror(graph, alpha):
-    glossy = graph.node("ShaderNodeBsdfAnisotropic", 5, -2, "boundary")
+    glossy = graph.node("ShaderNodeBsdfAnisotropic", "boundary")
     glossy.distribution = "GGX"
     glossy.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     glossy.inputs["Roughness"].default_value = alpha**0.5  # Blender's roughness is the root of alpha

@@ -25,7 +25,6 @@ class Directions:
         self.angle = angle
         self.multiples, self.powers, self.numbers = {}, {}, {}
         self.known = {"N": normal, "I": incoming, "tangent": tangent}
-        self.line = 10.2
 
     def of(self, wanted):
         wanted = tuple(wanted) if isinstance(wanted, list) else wanted
@@ -36,64 +35,58 @@ class Directions:
     def view_angle(self, multiple):
         """`multiple` times the angle between I and N, in radians."""
         if multiple not in self.multiples:
-            self.line += 1
             name = f"{multiple:g} view angle"
-            scaled = self.graph.math("MULTIPLY", 3.4, self.line, name, self.angle, multiple)
-            self.multiples[multiple] = scaled
+            self.multiples[multiple] = self.graph.math("MULTIPLY", name, self.angle, multiple)
         return self.multiples[multiple]
 
     def of_cosine(self, offset, factor, power):
         """offset + factor * (N.I) ** power, clamped to [0, 1]."""
         graph, key = self.graph, (offset, factor, power)
         if key not in self.numbers:
-            self.line += 1
             raised = self.powers.get(power)
             if raised is None:
-                raised = graph.math("POWER", 2.4, self.line, f"(N.I)^{power:g}", self.cosine, power)
+                raised = graph.math("POWER", f"(N.I)^{power:g}", self.cosine, power)
                 self.powers[power] = raised
-            self.numbers[key] = graph.math("MULTIPLY_ADD", 3.4, self.line, "of N.I", raised, factor, offset,
-                                           clamp=True)
+            self.numbers[key] = graph.math("MULTIPLY_ADD", "of N.I", raised, factor, offset, clamp=True)
         return self.numbers[key]
 
     def _make(self, wanted):
         graph, normal, incoming = self.graph, self.known["N"], self.known["I"]
-        self.line += 1
         if wanted == "N x I":  # its length is a part of the tilt, see lamina's closures.oriented_lobes
-            return graph.vector("CROSS_PRODUCT", 2.4, self.line, "N x I", normal, incoming)
+            return graph.vector("CROSS_PRODUCT", "N x I", normal, incoming)
         if wanted == "N+I":
-            total = graph.vector("ADD", 2.4, self.line, "N + I", normal, incoming)
+            total = graph.vector("ADD", "N + I", normal, incoming)
         elif isinstance(wanted, tuple) and wanted[0] == "lean":
             # R + share N = (share + 2 N.I) N - I
-            twice = graph.math("MULTIPLY_ADD", 0.4, self.line, "share + 2 N.I", self.cosine, 2.0, wanted[1])
-            along = graph.scale(1.4, self.line, "along N", normal, twice)
-            total = graph.vector("SUBTRACT", 2.4, self.line, f"R + {wanted[1]:g} N", along, incoming)
+            twice = graph.math("MULTIPLY_ADD", "share + 2 N.I", self.cosine, 2.0, wanted[1])
+            along = graph.scale("along N", normal, twice)
+            total = graph.vector("SUBTRACT", f"R + {wanted[1]:g} N", along, incoming)
         elif wanted == "T":
             # N across I; where N = I, any direction perpendicular to I.
-            along = graph.scale(-0.6, self.line, "(N.I) I", incoming, self.cosine)
-            across = graph.vector("SUBTRACT", 0.4, self.line, "N across I", normal, along)
-            total = graph.vector("ADD", 2.4, self.line, "square to I", across, self._aside)
+            along = graph.scale("(N.I) I", incoming, self.cosine)
+            across = graph.vector("SUBTRACT", "N across I", normal, along)
+            total = graph.vector("ADD", "square to I", across, self._aside)
         elif wanted == "I aside":
-            total = graph.vector("ADD", 2.4, self.line, "I aside", incoming, self._aside)
+            total = graph.vector("ADD", "I aside", incoming, self._aside)
         elif isinstance(wanted, tuple) and wanted[0] == "tilt":
             angle = math.radians(wanted[1])
-            across = graph.scale(0.4, self.line, "sin", self._tangent, math.sin(angle))
-            along = graph.scale(1.4, self.line, "cos", normal, math.cos(angle))
-            total = graph.vector("ADD", 2.4, self.line, f"N tilted {wanted[1]:g}", along, across)
+            across = graph.scale("sin", self._tangent, math.sin(angle))
+            along = graph.scale("cos", normal, math.cos(angle))
+            total = graph.vector("ADD", f"N tilted {wanted[1]:g}", along, across)
         else:
             raise UnknownClosureError(f"normal = {wanted!r}: this add-on does not know that direction")
-        return graph.vector("NORMALIZE", 3.4, self.line, "unit", total)
+        return graph.vector("NORMALIZE", "unit", total)
 
     @functools.cached_property
     def _tangent(self):
         """Unit vector across N towards the viewer: normalised I - (N.I) N; any across N where I = N."""
         graph = self.graph
-        along = graph.scale(-2.6, self.line, "(N.I) N", self.known["N"], self.cosine)
-        across = graph.vector("SUBTRACT", -1.6, self.line, "I across N", self.known["I"], along)
-        across = graph.vector("ADD", -0.6, self.line, "never zero", across, self._aside)
-        self.line += 1
-        return graph.vector("NORMALIZE", 0.4, self.line - 1, "to the viewer", across)
+        along = graph.scale("(N.I) N", self.known["N"], self.cosine)
+        across = graph.vector("SUBTRACT", "I across N", self.known["I"], along)
+        across = graph.vector("ADD", "never zero", across, self._aside)
+        return graph.vector("NORMALIZE", "to the viewer", across)
 
     @functools.cached_property
     def _aside(self):
         """A vector of length 2e-5 at most, perpendicular to I, and so to N where N = I."""
-        return self.graph.vector("CROSS_PRODUCT", 1.4, 9.6, "aside", self.known["I"], ASIDE)
+        return self.graph.vector("CROSS_PRODUCT", "aside", self.known["I"], ASIDE)

@@ -81,9 +81,9 @@ class _Drawing:
             return factors
         for thrown_back in (strip for strip in self._strips if strip.role == THROWN_BACK):
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
-            line, colour = -6 if thrown_back.metal else -3, inputs.outputs["Base Color"]
-            back = self._reader.of_both(thrown_back, line, "r")
-            gain = _again_and_again(graph, line, "c / (1 - c r)", colour, colour, back)
+            colour = inputs.outputs["Base Color"]
+            back = self._reader.of_both(thrown_back, "r")
+            gain = _again_and_again(graph, "c / (1 - c r)", colour, colour, back)
             factors[BASE, thrown_back.metal] = gain
         return factors
 
@@ -98,20 +98,20 @@ class _Drawing:
         widths = covered_graph.Widths(graph, self._view.inputs)
         shapes = Shapes(graph, read, directions)
         totals = {}
-        for line, (same, recipe) in enumerate(sums):
+        for same, recipe in sums:
             closure = same[0].closure
-            weight = _weighted(graph, line, same, read, factors)
+            weight = _weighted(graph, same, read, factors)
             if recipe.weight_input == "Coat Tint":
-                weight = eevee_graph.dark(graph, line, chooser, weight)
+                weight = eevee_graph.dark(graph, chooser, weight)
             elif self._covered:
                 albedo = native.part("baking.table.real_time").shown_as_diffuse(closure)
-                weight = eevee_graph.scaled(graph, line, chooser, weight, albedo)
+                weight = eevee_graph.scaled(graph, chooser, weight, albedo)
             name, metal = (closure, False) if self._covered else (same[0].name, same[0].metal)
-            shader = _closure(graph, line, name, recipe, weight, directions, widths, shapes)
+            shader = _closure(graph, name, recipe, weight, directions, widths, shapes)
             if sparkle is not None and sparkle_graph.falls_apart(closure):
                 shader = sparkle.over(name, shapes.by_closure.get(name), weight, shader.node)
             if metal in totals:
-                shader = mix_shader.added(graph, 12, line, "", totals[metal], shader)
+                shader = mix_shader.added(graph, "", totals[metal], shader)
             totals[metal] = shader
         return totals
 
@@ -123,7 +123,7 @@ class _Drawing:
         graph.begin_frame("Closures for Eevee, which has few kinds", CLOSURE_COLOUR)
         shown = eevee_graph.totals(
             graph, self._lut, self._eevee, reader.texels, factors, view.normal, view.incoming)
-        totals = {metal: eevee_graph.chosen(graph, -4 if metal else -5, reader.chooser, total, shown[metal])
+        totals = {metal: eevee_graph.chosen(graph, reader.chooser, total, shown[metal])
                   for metal, total in totals.items()}
         graph.end_frame()
         return totals
@@ -136,17 +136,17 @@ class _Drawing:
             graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
             if True in totals:
                 both = inputs.outputs["Metallic"], total, totals[True]
-                total = mix_shader.between(graph, 12.6, -2, "dielectric or metal", *both)
-            held = reader.alpha(lut_image.holder_of_principled(self._lut), -2, "w")
-            weight = reader.of_both(principled, -2, "w", held)
+                total = mix_shader.between(graph, "dielectric or metal", *both)
+            held = reader.alpha(lut_image.holder_of_principled(self._lut), "w")
+            weight = reader.of_both(principled, "w", held)
             total = principled_graph.beside(graph, self._lut, inputs, self._view.normal, weight, total)
         if shader_weight in self._strips:
             graph.begin_frame(
                 "Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
-            thrown_back = reader.of_both(Strip(role=THROWN_BACK), -3, "r")
-            weight = reader.of_both(shader_weight, -2, "w")
+            thrown_back = reader.of_both(Strip(role=THROWN_BACK), "r")
+            weight = reader.of_both(shader_weight, "w")
             colour = inputs.outputs[shader_base_graph.REFLECTANCE]
-            weight = _again_and_again(graph, -3, "w / (1 - c r)", weight, colour, thrown_back)
+            weight = _again_and_again(graph, "w / (1 - c r)", weight, colour, thrown_back)
             total = shader_base_graph.over(graph, inputs, weight, total)
         return total
 
@@ -160,33 +160,32 @@ def _by_closure(strips, metals_apart):
     return list(found.values())
 
 
-def _weighted(graph, line, strips, read, factors):
+def _weighted(graph, strips, read, factors):
     """The sum of the strips, each times its factor in `factors`, by role and metal: a socket, or None for 1.
 
-    `read(strip, column, line, label)` reads a strip and returns a socket."""
+    `read(strip, label)` reads a strip and returns a socket."""
     total = None
-    for number, strip in enumerate(strips):
-        place = line + 0.2 * number
-        weight, factor = read(strip, 7, place, f"weight {strip.name}"), factors.get((strip.role, strip.metal))
+    for strip in strips:
+        weight, factor = read(strip, f"weight {strip.name}"), factors.get((strip.role, strip.metal))
         if factor is None:
-            total = weight if total is None else graph.vector("ADD", 9.2, place, "sum", weight, total)
+            total = weight if total is None else graph.vector("ADD", "sum", weight, total)
         elif total is None:
-            total = graph.vector("MULTIPLY", 9.2, place, "part", weight, factor)
+            total = graph.vector("MULTIPLY", "part", weight, factor)
         else:
-            total = graph.vector("MULTIPLY_ADD", 9.2, place, "sum", weight, factor, total)
+            total = graph.vector("MULTIPLY_ADD", "sum", weight, factor, total)
     return total
 
 
-def _again_and_again(graph, line, label, weight, colour, thrown_back):
+def _again_and_again(graph, label, weight, colour, thrown_back):
     """w / (1 - c r), the sum of w (c r)^n: a base of color c reflects what the layers throw back, r."""
-    again = graph.vector("MULTIPLY", 9.2, line, "c r", colour, thrown_back)
-    rest = graph.vector("SUBTRACT", 10.2, line, "1 - c r", (1.0, 1.0, 1.0), again)
-    return graph.vector("DIVIDE", 11.2, line, label, weight, rest)
+    again = graph.vector("MULTIPLY", "c r", colour, thrown_back)
+    rest = graph.vector("SUBTRACT", "1 - c r", (1.0, 1.0, 1.0), again)
+    return graph.vector("DIVIDE", label, weight, rest)
 
 
-def _closure(graph, line, name, recipe, weight, directions, widths, shapes):
+def _closure(graph, name, recipe, weight, directions, widths, shapes):
     try:
-        node = graph.node(recipe.type, 10.6, line, name)
+        node = graph.node(recipe.type, name)
         for key, value in recipe.enums.items():
             setattr(node, key, value)
         for key, value in recipe.inputs.items():
@@ -204,7 +203,7 @@ def _closure(graph, line, name, recipe, weight, directions, widths, shapes):
         for key, (factor, power) in recipe.of_width.items():
             graph.link(widths.of(recipe.width, factor, power), node.inputs[key])
         if recipe.moves:
-            shapes.link(node, name, line, recipe.turns)
+            shapes.link(node, name, recipe.turns)
         for socket in node.inputs:
             socket.hide = not socket.is_linked  # a folded node grows with every visible socket
     except (KeyError, TypeError, RuntimeError) as error:

@@ -10,7 +10,7 @@ from .graph import rgba
 class Factors:
     """`by_role`: the factors of the strips, sockets, or None for 1, by role and metal.
 
-    `read(strip, column, line, label)` reads a strip and returns a socket."""
+    `read(strip, label)` reads a strip and returns a socket."""
 
     def __init__(self, graph, lut, inputs, read):
         self._graph, self._read = graph, read
@@ -19,16 +19,15 @@ class Factors:
         self._inputs = inputs
         shares = {False: None}
         if len(thrown_back) > 1:
-            metallic = graph.math("ADD", 7, -14, "metallic", self._input("metallic"), 0.0, clamp=True)
-            shares = {False: graph.math("SUBTRACT", 8, -14, "1 - m", 1.0, metallic), True: metallic}
+            metallic = graph.math("ADD", "metallic", self._input("metallic"), 0.0, clamp=True)
+            shares = {False: graph.math("SUBTRACT", "1 - m", 1.0, metallic), True: metallic}
         self.by_role = {(DARK, metal): share for metal, share in shares.items()}
         for strip in thrown_back:
-            line, color = -8 if strip.metal else -12, self._input("color")
-            share = shares[strip.metal]
-            once = color if share is None else graph.vector("MULTIPLY", 8, line, "once", color, share)
-            back = self._thrown_back(strip, line, shares)
+            color, share = self._input("color"), shares[strip.metal]
+            once = color if share is None else graph.vector("MULTIPLY", "once", color, share)
+            back = self._thrown_back(strip, shares)
             self.by_role[FIRST, strip.metal] = once
-            self.by_role[AGAIN, strip.metal] = self._repeated(line, color, once, back)
+            self.by_role[AGAIN, strip.metal] = self._repeated(color, once, back)
 
     def _input(self, name):
         """The socket of an input, or the number that the stack has."""
@@ -37,25 +36,25 @@ class Factors:
         value = self._base[name]
         return rgba(value)[:3] if name == "color" else float(value[0])
 
-    def _thrown_back(self, strip, line, shares):
+    def _thrown_back(self, strip, shares):
         """r, or for a dielectric that is mixed with metal r' = (1 - m) r + m t."""
-        graph, own = self._graph, self._read(strip, 7, line + 1, "r")
+        graph, own = self._graph, self._read(strip, "r")
         if strip.metal or len(shares) == 1:
             return own
-        trapped = self._read(Strip(role=TRAPPED), 7, line + 2, "t")
-        kept = graph.scale(9, line + 2, "m t", trapped, shares[True])
-        own = graph.scale(9, line + 1, "(1 - m) r", own, shares[False])
-        return graph.vector("ADD", 9.6, line + 1, "r'", own, kept)
+        trapped = self._read(Strip(role=TRAPPED), "t")
+        kept = graph.scale("m t", trapped, shares[True])
+        own = graph.scale("(1 - m) r", own, shares[False])
+        return graph.vector("ADD", "r'", own, kept)
 
-    def _repeated(self, line, color, once, thrown_back):
+    def _repeated(self, color, once, thrown_back):
         """c (1 - r) / (1 - c r) times `once`, the factor of light that is reflected once."""
         graph = self._graph
-        leaves = graph.vector("SUBTRACT", 10.2, line + 1, "1 - r", (1.0,) * 3, thrown_back)
-        again = graph.vector("MULTIPLY", 10.2, line + 2, "c r", color, thrown_back)
-        rest = graph.vector("SUBTRACT", 10.8, line + 2, "1 - c r", (1.0,) * 3, again)
-        share = graph.vector("DIVIDE", 11.4, line + 1, "(1 - r) / (1 - c r)", leaves, rest)
-        part = graph.vector("MULTIPLY", 11.4, line, "c", share, color)
-        return graph.vector("MULTIPLY", 12, line, "again", part, once)
+        leaves = graph.vector("SUBTRACT", "1 - r", (1.0,) * 3, thrown_back)
+        again = graph.vector("MULTIPLY", "c r", color, thrown_back)
+        rest = graph.vector("SUBTRACT", "1 - c r", (1.0,) * 3, again)
+        share = graph.vector("DIVIDE", "(1 - r) / (1 - c r)", leaves, rest)
+        part = graph.vector("MULTIPLY", "c", share, color)
+        return graph.vector("MULTIPLY", "again", part, once)
 
 
 class Widths:
@@ -63,7 +62,6 @@ class Widths:
 
     def __init__(self, graph, inputs):
         self._graph, self._inputs = graph, inputs
-        self._line = 16.0
         self._known = {}
 
     def of(self, width, factor, power):
@@ -75,22 +73,21 @@ class Widths:
         if key not in self._known:
             value = self._known[width, 1.0, 1.0]
             if power != 1.0:
-                value = self._graph.math("POWER", 4.4, self._line, "power", value, power)
-            value = self._graph.math("MULTIPLY", 5.4, self._line, "of width", value, factor, clamp=True)
+                value = self._graph.math("POWER", "power", value, power)
+            value = self._graph.math("MULTIPLY", "of width", value, factor, clamp=True)
             self._known[key] = value
         return self._known[key]
 
     def _width(self, scale, least):
         graph = self._graph
-        self._line += 1
         if "alpha" not in self._known:
             given = self._inputs.outputs["Roughness"]
-            rough = graph.math("ADD", -0.6, 16, "roughness", given, 0.0, clamp=True)
-            self._known["alpha"] = graph.math("MULTIPLY", 0.4, 16, "alpha", rough, rough)
+            rough = graph.math("ADD", "roughness", given, 0.0, clamp=True)
+            self._known["alpha"] = graph.math("MULTIPLY", "alpha", rough, rough)
         alpha = self._known["alpha"]
-        scaled = graph.math("MULTIPLY", 1.4, self._line, "scaled", alpha, scale, clamp=not least)
+        scaled = graph.math("MULTIPLY", "scaled", alpha, scale, clamp=not least)
         if not least:
             return scaled
-        square = graph.math("MULTIPLY", 2.4, self._line, "square", scaled, scaled)
-        both = graph.math("ADD", 2.8, self._line, "with the interface", square, least * least)
-        return graph.math("SQRT", 3.4, self._line, "width", both, clamp=True)
+        square = graph.math("MULTIPLY", "square", scaled, scaled)
+        both = graph.math("ADD", "with the interface", square, least * least)
+        return graph.math("SQRT", "width", both, clamp=True)

@@ -62,46 +62,47 @@ def _add_sockets(tree):
 def _draw(tree):
     _add_sockets(tree)
     graph = Graph(tree)
-    inputs, outputs = graph.node("NodeGroupInput", 0, 0), graph.node("NodeGroupOutput", 9, 0)
-    place = rest_coordinates.draw(graph, 0, 6)
+    inputs, outputs = graph.node("NodeGroupInput"), graph.node("NodeGroupOutput")
+    place = rest_coordinates.draw(graph)
     turned = _turned(graph, place)
-    clouds = _varied(graph, inputs, place, "Clouds", "Cloud Size", 2)
-    grain = _varied(graph, inputs, turned, "Grain", "Grain Size", 5)
-    left = graph.math("SUBTRACT", 4, 8, "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)
-    both = graph.math("MULTIPLY", 5, 3, "clouds and grain", clouds, grain)
-    most = graph.math("MAXIMUM", 1, 12, "amount", *(inputs.outputs[name] for name in (FRONT, BACK)))
-    litter = dust_litter.draw(graph, inputs, (place, turned), most, 12)
-    strength = graph.node("ShaderNodeGroup", 6, 9, "Strength")
+    clouds = _varied(graph, inputs, place, "Clouds", "Cloud Size")
+    grain = _varied(graph, inputs, turned, "Grain", "Grain Size")
+    left = graph.math("SUBTRACT", "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)
+    both = graph.math("MULTIPLY", "clouds and grain", clouds, grain)
+    most = graph.math("MAXIMUM", "amount", *(inputs.outputs[name] for name in (FRONT, BACK)))
+    litter = dust_litter.draw(graph, inputs, (place, turned), most)
+    strength = graph.node("ShaderNodeGroup", "Strength")
     strength.node_tree = dust_strength.group()
-    shown = graph.math("MULTIPLY", 6, 4, "shown", left, strength.outputs[0])
-    for row, name in enumerate((FRONT, BACK)):
+    shown = graph.math("MULTIPLY", "shown", left, strength.outputs[0])
+    for name in (FRONT, BACK):
         # A negative thickness of the back stands for that of the front, and must stay negative.
         given, none = inputs.outputs[name], 0.0
         if name == BACK:
-            given, none = (graph.math(how, 5, row + k, text, inputs.outputs[BACK], 0.0)
-                           for k, (how, text) in enumerate((("MAXIMUM", "own"), ("MINIMUM", "as the front"))))
-        lies = graph.math("MULTIPLY", 6, row, "litter lies here", given, 1.0 / dust_litter.LEAST, clamp=True)
-        varied = graph.math("MULTIPLY", 6, row + 2, "varied", given, both)
-        sum = graph.math("MULTIPLY_ADD", 7, row, "with litter", lies, litter, varied)
+            given, none = (graph.math(how, text, inputs.outputs[BACK], 0.0)
+                           for how, text in (("MAXIMUM", "own"), ("MINIMUM", "as the front")))
+        lies = graph.math("MULTIPLY", "litter lies here", given, 1.0 / dust_litter.LEAST, clamp=True)
+        varied = graph.math("MULTIPLY", "varied", given, both)
+        sum = graph.math("MULTIPLY_ADD", "with litter", lies, litter, varied)
         if name == FRONT:
-            smooth = graph.math("MULTIPLY", 7, 2, "smooth", given, clouds)
-            graph.link(graph.math("MULTIPLY", 8, 2, HEIGHT, smooth, shown), outputs.inputs[HEIGHT])
-        graph.link(graph.math("MULTIPLY_ADD", 8, row, name, sum, shown, none), outputs.inputs[name])
+            smooth = graph.math("MULTIPLY", "smooth", given, clouds)
+            graph.link(graph.math("MULTIPLY", HEIGHT, smooth, shown), outputs.inputs[HEIGHT])
+        graph.link(graph.math("MULTIPLY_ADD", name, sum, shown, none), outputs.inputs[name])
+    graph.arrange()
 
 
 def _turned(graph, place):
     """The socket of `place` in turned axes. The noise has edges along its axes, seen on faces across them."""
-    node = graph.node("ShaderNodeCombineXYZ", 3, 6, "turned")
-    for row, axis in enumerate(_AXES):
-        graph.link(graph.vector("DOT_PRODUCT", 2, 6 + row, "axis", place, axis), node.inputs[row])
+    node = graph.node("ShaderNodeCombineXYZ", "turned")
+    for number, axis in enumerate(_AXES):
+        graph.link(graph.vector("DOT_PRODUCT", "axis", place, axis), node.inputs[number])
     return node.outputs[0]
 
 
-def _varied(graph, inputs, place, strength, size, row):
+def _varied(graph, inputs, place, strength, size):
     """The socket of 1 + strength x noise."""
-    scale = graph.math("DIVIDE", 1, row, "per unit", 1.0, inputs.outputs[size])
+    scale = graph.math("DIVIDE", "per unit", 1.0, inputs.outputs[size])
     octaves, finer, weaker, cut = _NOISES[strength]
-    noise = texture_graph.noise(graph, 2, row, strength, place, scale, octaves)
+    noise = texture_graph.noise(graph, strength, place, scale, octaves)
     noise.inputs["Lacunarity"].default_value, noise.inputs["Roughness"].default_value = finer, weaker
-    varied = texture_graph.ramp(graph, 3, row, "in [-1, 1]", noise.outputs[0], 0.5 - cut, 0.5 + cut)
-    return graph.math("MULTIPLY_ADD", 4, row, "1 + strength noise", varied, inputs.outputs[strength], 1.0)
+    varied = texture_graph.ramp(graph, "in [-1, 1]", noise.outputs[0], 0.5 - cut, 0.5 + cut)
+    return graph.math("MULTIPLY_ADD", "1 + strength noise", varied, inputs.outputs[strength], 1.0)

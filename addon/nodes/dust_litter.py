@@ -33,80 +33,76 @@ _WIDTH = 0.0125  # of a fiber, over its length
 _APART, _LIMIT, _ROOT, _STEEP = 1.4, 0.21, 1.0 / 3.0, 30.0
 
 
-def draw(graph, inputs, places, amount, row):
+def draw(graph, inputs, places, amount):
     """The socket of the optical thickness of the litter, in dust of the thickness `amount`. `places`: sockets
     of coordinates, and of the same in turned axes."""
     place, turned = places
-    half = graph.math("ADD", 2, row, "amount + half", amount, _HALF)
-    share = graph.math("DIVIDE", 3, row, "share of litter", amount, half, clamp=True)
-    fibers = _fibers(graph, inputs, _plane(graph, place, row + 2), share, row + 10)
-    specks = _specks(graph, inputs, turned, share, row + 16)
-    both = graph.math("MAXIMUM", 15, row + 10, "fibers and specks", fibers, specks)
-    return graph.math("MULTIPLY", 16, row + 10, "litter", both, _THICK)
+    half = graph.math("ADD", "amount + half", amount, _HALF)
+    share = graph.math("DIVIDE", "share of litter", amount, half, clamp=True)
+    fibers = _fibers(graph, inputs, _plane(graph, place), share)
+    specks = _specks(graph, inputs, turned, share)
+    both = graph.math("MAXIMUM", "fibers and specks", fibers, specks)
+    return graph.math("MULTIPLY", "litter", both, _THICK)
 
 
-def _plane(graph, place, row):
+def _plane(graph, place):
     """The socket of coordinates in the plane of the nearest side of a cube."""
-    normal = graph.node("ShaderNodeTexCoord", 2, row, "normal").outputs["Normal"]
+    normal = graph.node("ShaderNodeTexCoord", "normal").outputs["Normal"]
     # Weights, at most 1 for the steps below: on faces at 45 degrees no two sides are equally near.
-    weighted = graph.vector("MULTIPLY", 3, row, "weighted", normal, (0.94, 0.97, 1.0))
-    near = graph.vector("ABSOLUTE", 4, row, "near", weighted)
-    along = texture_graph.parts(graph, 5, row, near)
-    most = graph.math("MAXIMUM", 5, row + 1, "x or y", *along[:2])
-    most = graph.math("MAXIMUM", 6, row, "nearest", most, along[2])
-    below = graph.math("SUBTRACT", 7, row, "just below", most, 1.0 + 1e-5)
-    side = graph.vector("FLOOR", 9, row, "side", graph.vector(
-        "SUBTRACT", 8, row, "1 at the nearest", near, below))
+    weighted = graph.vector("MULTIPLY", "weighted", normal, (0.94, 0.97, 1.0))
+    near = graph.vector("ABSOLUTE", "near", weighted)
+    along = texture_graph.parts(graph, near)
+    most = graph.math("MAXIMUM", "x or y", *along[:2])
+    most = graph.math("MAXIMUM", "nearest", most, along[2])
+    below = graph.math("SUBTRACT", "just below", most, 1.0 + 1e-5)
+    side = graph.vector("FLOOR", "side", graph.vector("SUBTRACT", "1 at the nearest", near, below))
     # The sides across x and y have z in place of x or y.
-    height = texture_graph.parts(graph, 5, row + 3, place)[2]
-    turned = graph.vector("SUBTRACT", 6, row + 3, "to z", height, place)
-    return graph.vector("MULTIPLY_ADD", 10, row, "plane", side, turned, place)
+    height = texture_graph.parts(graph, place)[2]
+    turned = graph.vector("SUBTRACT", "to z", height, place)
+    return graph.vector("MULTIPLY_ADD", "plane", side, turned, place)
 
 
-def _if_any(graph, wanted, value, column, row):
+def _if_any(graph, wanted, value):
     """`value`, or 0 if none are wanted. For a fixed 0, Cycles then leaves out all that leads here."""
-    return graph.math("MULTIPLY", column + 1, row, "if any", value, graph.math(
-        "GREATER_THAN", column, row, "any", wanted, 0.0))
+    return graph.math("MULTIPLY", "if any", value, graph.math("GREATER_THAN", "any", wanted, 0.0))
 
 
-def _fibers(graph, inputs, plane, share, row):
+def _fibers(graph, inputs, plane, share):
     """1 in the middle of fibers, 0 beside them."""
     wanted, length = inputs.outputs["Fibers"], inputs.outputs["Fiber Length"]
-    lengths = graph.scale(2, row, "in lengths", plane, graph.math("DIVIDE", 1, row, "per unit", 1.0, length))
-    cells = graph.node("ShaderNodeTexVoronoi", 3, row, "fibers")
+    lengths = graph.scale("in lengths", plane, graph.math("DIVIDE", "per unit", 1.0, length))
+    cells = graph.node("ShaderNodeTexVoronoi", "fibers")
     cells.voronoi_dimensions, cells.feature, cells.distance = "2D", "F1", "EUCLIDEAN"
     cells.inputs["Scale"].default_value = cells.inputs["Randomness"].default_value = 1.0
     graph.link(lengths, cells.inputs["Vector"])
-    turn, bend, chance = texture_graph.parts(graph, 4, row, cells.outputs["Color"])
-    present = graph.math("LESS_THAN", 6, row + 2, "is there", chance, graph.math(
-        "MULTIPLY", 5, row + 2, "wanted here", wanted, share))
-    away = graph.vector("SUBTRACT", 5, row, "from the middle", lengths, cells.outputs["Position"])
-    rotated = graph.node("ShaderNodeVectorRotate", 7, row, "along the fiber")
+    turn, bend, chance = texture_graph.parts(graph, cells.outputs["Color"])
+    present = graph.math("LESS_THAN", "is there", chance, graph.math(
+        "MULTIPLY", "wanted here", wanted, share))
+    away = graph.vector("SUBTRACT", "from the middle", lengths, cells.outputs["Position"])
+    rotated = graph.node("ShaderNodeVectorRotate", "along the fiber")
     rotated.rotation_type = "Z_AXIS"
     graph.link(away, rotated.inputs["Vector"])
-    graph.link(graph.math("MULTIPLY", 6, row + 1, "any way", turn, 2.0 * math.pi), rotated.inputs["Angle"])
-    along, across, _ = texture_graph.parts(graph, 8, row, rotated.outputs[0])
-    phase = graph.math("MULTIPLY", 8, row + 1, "phase", bend, 41.0)
-    wave = graph.math("SINE", 10, row, "wave", graph.math("MULTIPLY_ADD", 9, row, "phase", along, 5.5, phase))
-    high = graph.math("MULTIPLY", 9, row + 1, "height", bend, -0.16)
-    beside = graph.math("MULTIPLY_ADD", 11, row, "beside the curve", wave, high, across)
-    square = graph.math("MULTIPLY", 12, row, "square", beside, beside)
-    strip = graph.math("MULTIPLY_ADD", 13, row, "strip", square, -4.0 / _WIDTH**2, 1.0, clamp=True)
-    reach = graph.math("MULTIPLY_ADD", 9, row + 2, "half length", chance, 0.4, 0.1)
-    ends = graph.math("LESS_THAN", 11, row + 2, "not beyond its ends", graph.math(
-        "ABSOLUTE", 10, row + 2, "along", along), reach)
-    piece = graph.math("MULTIPLY", 14, row, "piece", strip, ends)
-    return _if_any(graph, wanted, graph.math("MULTIPLY", 15, row, "fiber", piece, present), 15, row + 1)
+    graph.link(graph.math("MULTIPLY", "any way", turn, 2.0 * math.pi), rotated.inputs["Angle"])
+    along, across, _ = texture_graph.parts(graph, rotated.outputs[0])
+    phase = graph.math("MULTIPLY", "phase", bend, 41.0)
+    wave = graph.math("SINE", "wave", graph.math("MULTIPLY_ADD", "phase", along, 5.5, phase))
+    high = graph.math("MULTIPLY", "height", bend, -0.16)
+    beside = graph.math("MULTIPLY_ADD", "beside the curve", wave, high, across)
+    square = graph.math("MULTIPLY", "square", beside, beside)
+    strip = graph.math("MULTIPLY_ADD", "strip", square, -4.0 / _WIDTH**2, 1.0, clamp=True)
+    reach = graph.math("MULTIPLY_ADD", "half length", chance, 0.4, 0.1)
+    ends = graph.math("LESS_THAN", "not beyond its ends", graph.math("ABSOLUTE", "along", along), reach)
+    piece = graph.math("MULTIPLY", "piece", strip, ends)
+    return _if_any(graph, wanted, graph.math("MULTIPLY", "fiber", piece, present))
 
 
-def _specks(graph, inputs, place, share, row):
+def _specks(graph, inputs, place, share):
     """1 in the middle of specks, 0 beside them."""
     wanted = inputs.outputs["Specks"]
-    scale = graph.math("DIVIDE", 2, row, "per unit", 1.0 / _APART, inputs.outputs["Speck Size"])
-    noise = texture_graph.noise(graph, 3, row, "specks", place, scale, 0.0)
-    here = graph.math("POWER", 5, row + 1, "wanted here", graph.math(
-        "MULTIPLY", 4, row + 1, "share", wanted, share), _ROOT)
-    above = graph.math("MULTIPLY_ADD", 6, row + 1, "below 1", here, _LIMIT, -1.0)
-    over = graph.math("ADD", 7, row, "over the limit", noise.outputs[0], above)
-    speck = graph.math("MULTIPLY", 8, row, "speck", over, _STEEP, clamp=True)
-    return _if_any(graph, wanted, speck, 9, row)
+    scale = graph.math("DIVIDE", "per unit", 1.0 / _APART, inputs.outputs["Speck Size"])
+    noise = texture_graph.noise(graph, "specks", place, scale, 0.0)
+    here = graph.math("POWER", "wanted here", graph.math("MULTIPLY", "share", wanted, share), _ROOT)
+    above = graph.math("MULTIPLY_ADD", "below 1", here, _LIMIT, -1.0)
+    over = graph.math("ADD", "over the limit", noise.outputs[0], above)
+    speck = graph.math("MULTIPLY", "speck", over, _STEEP, clamp=True)
+    return _if_any(graph, wanted, speck)

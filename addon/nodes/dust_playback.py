@@ -45,39 +45,39 @@ def _draw(tree, frames, domain, two_sided):
     for in_out in ("INPUT", "OUTPUT"):
         tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
     graph = Graph(tree)
-    geometry = graph.node("NodeGroupInput", 0, 0).outputs[0]
-    now = graph.node("GeometryNodeInputSceneTime", 0, 2).outputs["Frame"]
+    geometry = graph.node("NodeGroupInput").outputs[0]
+    now = graph.node("GeometryNodeInputSceneTime").outputs["Frame"]
     # The place in time among the settlings: 0 at the first, and at most the last
-    passed = graph.math("SUBTRACT", 1, 2, "since the first", now, float(frames[0]))
-    place = graph.math("DIVIDE", 2, 2, "place", passed, float(frames.step))
-    place = graph.math("MAXIMUM", 3, 2, "from the first", place, 0.0)
-    place = graph.math("MINIMUM", 4, 2, "to the last", place, float(len(frames) - 1))
-    before = graph.math("FLOOR", 5, 2, "before", place)
-    after = graph.math("CEIL", 5, 3, "after", place)
-    share = graph.math("SUBTRACT", 6, 2, "share", place, before)
+    passed = graph.math("SUBTRACT", "since the first", now, float(frames[0]))
+    place = graph.math("DIVIDE", "place", passed, float(frames.step))
+    place = graph.math("MAXIMUM", "from the first", place, 0.0)
+    place = graph.math("MINIMUM", "to the last", place, float(len(frames) - 1))
+    before = graph.math("FLOOR", "before", place)
+    after = graph.math("CEIL", "after", place)
+    share = graph.math("SUBTRACT", "share", place, before)
     pairs = ((ATTRIBUTE, KEY), (BACK_ATTRIBUTE, BACK_KEY)) if two_sided else ((ATTRIBUTE, KEY),)
-    for row, (name, key) in enumerate(pairs):
-        early, late = (_key(graph, key, number, 6, 4 + 4 * row + 2 * k)
-                       for k, number in enumerate((before, after)))
-        change = graph.math("SUBTRACT", 9, 4 + 4 * row, "change", late, early)
-        blended = graph.math("MULTIPLY_ADD", 10, 4 + 4 * row, "blended", change, share, early)
-        node = graph.node("GeometryNodeStoreNamedAttribute", 11 + row, 0, name)
+    for name, key in pairs:
+        early, late = (_key(graph, key, number) for number in (before, after))
+        change = graph.math("SUBTRACT", "change", late, early)
+        blended = graph.math("MULTIPLY_ADD", "blended", change, share, early)
+        node = graph.node("GeometryNodeStoreNamedAttribute", name)
         node.data_type, node.domain = "FLOAT", domain
         node.inputs["Name"].default_value = name
         graph.link(geometry, node.inputs["Geometry"])
         graph.link(blended, next(one for one in node.inputs if one.name == "Value" and one.enabled))
         geometry = node.outputs["Geometry"]
-    graph.link(geometry, graph.node("NodeGroupOutput", 14, 0).inputs[0])
+    graph.link(geometry, graph.node("NodeGroupOutput").inputs[0])
+    graph.arrange()
 
 
-def _key(graph, key, number, column, row):
+def _key(graph, key, number):
     """The attribute of a settling, given by the socket of its number."""
-    text = graph.node("FunctionNodeValueToString", column, row)
+    text = graph.node("FunctionNodeValueToString")
     graph.link(number, next(one for one in text.inputs if one.name == "Value" and one.enabled))
-    name = graph.node("FunctionNodeReplaceString", column + 1, row)
+    name = graph.node("FunctionNodeReplaceString")
     name.inputs["String"].default_value, name.inputs["Find"].default_value = f"{key}#", "#"
     graph.link(text.outputs[0], name.inputs["Replace"])
-    node = graph.node("GeometryNodeInputNamedAttribute", column + 2, row)
+    node = graph.node("GeometryNodeInputNamedAttribute")
     node.data_type = "FLOAT"
     graph.link(name.outputs[0], node.inputs["Name"])
     return next(one for one in node.outputs if one.name == "Attribute" and one.enabled)

@@ -18,10 +18,11 @@ def group():
         found = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
         found.interface.new_socket(_VALUE, in_out="OUTPUT", socket_type="NodeSocketFloat")
         graph = Graph(found)
-        value = graph.node("ShaderNodeValue", 0, 0, _VALUE, folded=False)
+        value = graph.node("ShaderNodeValue", _VALUE, folded=False)
         value.name, value.outputs[0].default_value = _VALUE, 1.0
-        positive = graph.math("MAXIMUM", 1, 0, "not negative", value.outputs[0], 0.0)
-        graph.link(positive, graph.node("NodeGroupOutput", 2, 0).inputs[_VALUE])
+        positive = graph.math("MAXIMUM", "not negative", value.outputs[0], 0.0)
+        graph.link(positive, graph.node("NodeGroupOutput").inputs[_VALUE])
+        graph.arrange()
         found[MARK] = 1
     return found
 

@@ -33,8 +33,8 @@ _NODES = {
 
 def is_eevee(graph):
     """A socket for factors with the value 0 of their own: 1 in Eevee, nothing in Cycles."""
-    light = graph.node("ShaderNodeEmission", 9.2, 10, "1")
-    found = graph.node("ShaderNodeShaderToRGB", 10.2, 10, "1 in Eevee, no node in Cycles")
+    light = graph.node("ShaderNodeEmission", "1")
+    found = graph.node("ShaderNodeShaderToRGB", "1 in Eevee, no node in Cycles")
     graph.link(light.outputs[0], found.inputs[0])
     return found.outputs[0]
 
@@ -45,51 +45,50 @@ def totals(graph, lut, eevee, texels, factors, normal, incoming):
     `texels`: eevee_lookup.Texels. `factors`: of the strips, by role and metal."""
     found = {}
     for number, strip in enumerate(eevee.strips):
-        line = -8 - 2 * number
-        weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), 7, line, f"{LABEL} {strip.name}",
+        weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), f"{LABEL} {strip.name}",
                                          alpha=strip.closure in _WITH_ROUGHNESS)
         if strip.role == BASE:
-            weight = graph.vector("MULTIPLY", 9.2, line, "of the base", weight, factors[BASE, strip.metal])
-        shader = _closure(graph, line, strip.closure, weight, roughness, normal, incoming)
+            weight = graph.vector("MULTIPLY", "of the base", weight, factors[BASE, strip.metal])
+        shader = _closure(graph, strip.closure, weight, roughness, normal, incoming)
         if strip.metal in found:
-            shader = mix_shader.added(graph, 12, line, "", found[strip.metal], shader)
+            shader = mix_shader.added(graph, "", found[strip.metal], shader)
         found[strip.metal] = shader
     return found
 
 
-def chosen(graph, line, chooser, cycles, eevee):
+def chosen(graph, chooser, cycles, eevee):
     """The shader `cycles` in Cycles, the shader `eevee` in Eevee. `chooser`: the socket of `is_eevee`."""
-    shader = mix_shader.between(graph, 12.3, line, "Cycles or Eevee", 0.0, cycles, eevee)
+    shader = mix_shader.between(graph, "Cycles or Eevee", 0.0, cycles, eevee)
     graph.link(chooser, shader.node.inputs[0])
     return shader
 
 
-def chosen_value(graph, line, chooser, cycles, eevee, kind="RGBA"):
+def chosen_value(graph, chooser, cycles, eevee, kind="RGBA"):
     """The same of two colors, or of two numbers with the `kind` "FLOAT"."""
-    value = graph.mix(kind, 8.6, line, "Cycles or Eevee", chooser, cycles, eevee)
+    value = graph.mix(kind, "Cycles or Eevee", chooser, cycles, eevee)
     value.node.inputs[0].default_value = 0.0
     return value
 
 
-def scaled(graph, line, chooser, color, factor):
+def scaled(graph, chooser, color, factor):
     """`color` in Cycles, `color` times `factor` in Eevee."""
     if factor == 1.0:
         return color
-    less = graph.vector("MULTIPLY", 9, line + 0.4, "in Eevee", color, (factor,) * 3)
-    return chosen_value(graph, line, chooser, color, less)
+    less = graph.vector("MULTIPLY", "in Eevee", color, (factor,) * 3)
+    return chosen_value(graph, chooser, color, less)
 
 
-def dark(graph, line, chooser, color):
+def dark(graph, chooser, color):
     """`color` in Cycles, black in Eevee. Eevee raises the tint of a coat to the power 1 / (view cosine). This
     overflows near grazing, and then even a shader without weight is not a number."""
-    value = graph.mix("RGBA", 9.6, line, "Cycles only", chooser, color, (0.0, 0.0, 0.0, 1.0))
+    value = graph.mix("RGBA", "Cycles only", chooser, color, (0.0, 0.0, 0.0, 1.0))
     value.node.inputs[0].default_value = 0.0
     return value
 
 
-def _closure(graph, line, kind, weight, roughness, normal, incoming):
+def _closure(graph, kind, weight, roughness, normal, incoming):
     type_name, enums = _NODES[kind]
-    node = graph.node(type_name, 10.6, line, f"{LABEL} {kind}")
+    node = graph.node(type_name, f"{LABEL} {kind}")
     for key, value in enums.items():
         setattr(node, key, value)
     graph.link(weight, node.inputs["Color"])
@@ -98,7 +97,7 @@ def _closure(graph, line, kind, weight, roughness, normal, incoming):
         graph.link(incoming, node.inputs["Normal"])
         node.inputs["IOR"].default_value = _IOR
         graph.set(node.inputs["Roughness"],
-                  graph.math("DIVIDE", 9.2, line, "as refracted", roughness[0], _NARROWING, clamp=True))
+                  graph.math("DIVIDE", "as refracted", roughness[0], _NARROWING, clamp=True))
     elif "Normal" in node.inputs:
         graph.link(normal, node.inputs["Normal"])
     if type_name == "ShaderNodeBsdfAnisotropic":

@@ -19,53 +19,53 @@ class Texels:
         self.graph, self.image, self.height, self.rows, self.share = graph, image, height, rows, around.share
         self.first = first
         last = columns - 1
-        place = graph.math("MULTIPLY", 1.4, 16, "column", angle, last / (math.pi / 2))
-        most = graph.math("MINIMUM", 2.4, 16, "at most the last", place, float(last))
-        whole = graph.math("FLOOR", 3.4, 16, "whole", most)
-        left = graph.math("MINIMUM", 4.4, 16, "column to the left", whole, float(last - 1))
-        self.across = graph.math("SUBTRACT", 5.4, 16, "share of the right", most, left)
-        u = graph.math("MULTIPLY_ADD", 5.4, 17, "u", left, 1.0 / columns, 0.5 / columns)
+        place = graph.math("MULTIPLY", "column", angle, last / (math.pi / 2))
+        most = graph.math("MINIMUM", "at most the last", place, float(last))
+        whole = graph.math("FLOOR", "whole", most)
+        left = graph.math("MINIMUM", "column to the left", whole, float(last - 1))
+        self.across = graph.math("SUBTRACT", "share of the right", most, left)
+        u = graph.math("MULTIPLY_ADD", "u", left, 1.0 / columns, 0.5 / columns)
         self.step = 1.0 / columns
-        self.corners = [self._corner(u, v, line) for line, v in enumerate(around.places, 18)]
+        self.corners = [self._corner(u, v) for v in around.places]
 
-    def read(self, index, column, line, label, alpha=True):
+    def read(self, index, label, alpha=True):
         """[color, alpha] of strip `index`, or [color]."""
         names = ("Color", "Alpha") if alpha else ("Color",)
-        at = [self._at_thickness(*corner, index, column, line, label, names) for corner in self.corners]
-        return at[0] if self.share is None else self._mixed(column, line, self.share, *at)
+        at = [self._at_thickness(*corner, index, label, names) for corner in self.corners]
+        return at[0] if self.share is None else self._mixed(self.share, *at)
 
-    def _corner(self, u, v, line):
+    def _corner(self, u, v):
         """(place of the texel below and to the left, share of the row above)."""
         graph, up = self.graph, None
         if self.rows > 1:  # v may lie between two of them
-            row = graph.math("MULTIPLY", 2.4, line, "row", v, float(self.height))
-            whole = graph.math("FLOOR", 3.4, line, "whole", row)
-            up = graph.math("SUBTRACT", 4.4, line, "share of the row above", row, whole)
-            v = graph.math("MULTIPLY", 4.4, line, "v", whole, 1.0 / self.height)
-        corner = graph.node("ShaderNodeCombineXYZ", 5.6, line, "u, v")
+            row = graph.math("MULTIPLY", "row", v, float(self.height))
+            whole = graph.math("FLOOR", "whole", row)
+            up = graph.math("SUBTRACT", "share of the row above", row, whole)
+            v = graph.math("MULTIPLY", "v", whole, 1.0 / self.height)
+        corner = graph.node("ShaderNodeCombineXYZ", "u, v")
         graph.link(u, corner.inputs[0])
         graph.link(v, corner.inputs[1])
         return corner.outputs[0], up
 
-    def _at_thickness(self, corner, up, index, column, line, label, names):
+    def _at_thickness(self, corner, up, index, label, names):
         first = self.first + index * self.rows
-        below = self._row(corner, first, column, line, label, names)
+        below = self._row(corner, first, label, names)
         if up is None:
             return below
-        return self._mixed(column, line, up, below, self._row(corner, first + 1, column, line, label, names))
+        return self._mixed(up, below, self._row(corner, first + 1, label, names))
 
-    def _row(self, corner, first, column, line, label, names):
-        pair = [self._texel(corner, x * self.step, (first + 0.5) / self.height, column, line, label, names)
+    def _row(self, corner, first, label, names):
+        pair = [self._texel(corner, x * self.step, (first + 0.5) / self.height, label, names)
                 for x in (0, 1)]
-        return self._mixed(column, line, self.across, *pair)
+        return self._mixed(self.across, *pair)
 
-    def _texel(self, corner, x, y, column, line, label, names):
+    def _texel(self, corner, x, y, label, names):
         graph = self.graph
-        texture = graph.node("ShaderNodeTexImage", column + 1, line, label)
+        texture = graph.node("ShaderNodeTexImage", label)
         texture.image, texture.interpolation, texture.extension = self.image, "Closest", "EXTEND"
-        graph.link(graph.vector("ADD", column, line, "texel", corner, (x, y, 0.0)), texture.inputs[0])
+        graph.link(graph.vector("ADD", "texel", corner, (x, y, 0.0)), texture.inputs[0])
         return [texture.outputs[name] for name in names]
 
-    def _mixed(self, column, line, share, first, second):
-        return [self.graph.mix("RGBA", column + 1.6, line, "between", share, one, other)
+    def _mixed(self, share, first, second):
+        return [self.graph.mix("RGBA", "between", share, one, other)
                 for one, other in zip(first, second, strict=True)]

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Helpers that build a shader graph: nodes on a grid, in labelled frames."""
+"""Helpers that build a shader graph: nodes in labelled frames, which `arrange` lays out."""
 
 NEVER_ZERO = (0.61e-4, 1.07e-4, 1.57e-4)  # added to a tangent, which a mesh without a UV map lacks
 COLUMN = 190.0
-ROW = 44.0
+ROW = 44.0  # height of a folded node
+SOCKET, FRAME = 22.0, 60.0  # height of a socket, and between frames
 
 
 def rgba(channels):
@@ -18,7 +19,6 @@ class Graph:
         self.tree = tree
         self.created = []
         self.frame = None
-        self.down = 0.0  # rows between the top and the part that is drawn
 
     def begin_frame(self, label, colour):
         """Nodes added from now on belong to a new frame."""
@@ -32,46 +32,45 @@ class Graph:
     def end_frame(self):
         self.frame = None
 
-    def node(self, kind, column, row, label="", folded=True):
+    def node(self, kind, label="", folded=True):
         node = self._new(kind, label)
-        node.location = (column * COLUMN, -(row + self.down) * ROW)
         node.hide = folded
         if self.frame is not None:
             node.parent = self.frame
         return node
 
-    def math(self, operation, column, row, label, *values, clamp=False):
+    def math(self, operation, label, *values, clamp=False):
         """A scalar operation; each value is a number or an output socket. Returns the output socket."""
-        node = self.node("ShaderNodeMath", column, row, label)
+        node = self.node("ShaderNodeMath", label)
         node.operation = operation
         node.use_clamp = clamp
         self._feed(node, values)
         return node.outputs[0]
 
-    def vector(self, operation, column, row, label, *values):
+    def vector(self, operation, label, *values):
         """A vector operation; values as in `math`. Returns its output, a number for a dot or a length."""
-        node = self.node("ShaderNodeVectorMath", column, row, label)
+        node = self.node("ShaderNodeVectorMath", label)
         node.operation = operation
         self._feed(node, values)
         return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
 
-    def scale(self, column, row, label, vector, factor):
-        node = self.node("ShaderNodeVectorMath", column, row, label)
+    def scale(self, label, vector, factor):
+        node = self.node("ShaderNodeVectorMath", label)
         node.operation = "SCALE"
         self.link(vector, node.inputs[0])
         self.set(node.inputs["Scale"], factor)
         return node.outputs["Vector"]
 
-    def separate(self, column, row, label, color):
+    def separate(self, label, color):
         """The three channels of a color: sockets."""
-        node = self.node("ShaderNodeSeparateColor", column, row, label)
+        node = self.node("ShaderNodeSeparateColor", label)
         self.link(color, node.inputs[0])
         return node.outputs[:3]
 
-    def mix(self, kind, column, row, label, share, first, second):
+    def mix(self, kind, label, share, first, second):
         """`first` at the share 0, `second` at 1. `kind`: "RGBA", "VECTOR" or "FLOAT". Returns the output
         socket. Cycles leaves the node out if the share is a fixed 0."""
-        node = self.node("ShaderNodeMix", column, row, label)
+        node = self.node("ShaderNodeMix", label)
         node.data_type = kind
         end = {"RGBA": "Color", "VECTOR": "Vector", "FLOAT": "Float"}[kind]
         sockets = {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
@@ -89,6 +88,21 @@ class Graph:
         else:
             target.default_value = value
 
+    def arrange(self, right=0.0, top=0.0):
+        """Lay out the added nodes below `top`. A node stands to the left of all nodes that it feeds; those
+        that feed none stand at `right`. Frames lie below one another, after the nodes without a frame."""
+        nodes = [node for node in self.created if node.bl_idname != "NodeFrame"]
+        columns, frames = _steps_to_the_end(nodes, self.tree.links), {}
+        for node in nodes:
+            frames.setdefault(node.parent, []).append(node)
+        for frame in sorted(frames, key=lambda frame: frame is not None):
+            bottoms = {}
+            for node in frames[frame]:
+                column = columns[node]
+                node.location = right - column * COLUMN, bottoms.get(column, top)
+                bottoms[column] = node.location.y - _height(node)
+            top = min(bottoms.values()) - FRAME
+
     def remove_created(self):
         """Remove all added nodes, frames last."""
         for node in reversed(self.created):
@@ -105,3 +119,27 @@ class Graph:
         node.label = label
         node.select = False
         return node
+
+
+def _steps_to_the_end(nodes, links):
+    """{node: the largest number of links from the node to one that feeds none of `nodes`}."""
+    own, fed = set(nodes), {node: set() for node in nodes}
+    for link in links:
+        if link.from_node in own and link.to_node in own:
+            fed[link.from_node].add(link.to_node)
+    steps = {}
+    waiting = list(nodes)
+    while waiting:
+        node = waiting[-1]
+        missing = [one for one in fed[node] if one not in steps]
+        if missing:
+            waiting += missing
+        else:
+            steps[waiting.pop()] = 1 + max((steps[one] for one in fed[node]), default=-1)
+    return steps
+
+
+def _height(node):
+    if node.hide:
+        return ROW
+    return 2.0 * ROW + SOCKET * sum(not socket.hide for socket in (*node.inputs, *node.outputs))

@@ -6,8 +6,6 @@ from . import closure_graph, mix_shader, thin_sheet
 from .graph import Graph
 from .group_sockets import COVERAGE
 
-BELOW = 60.0  # rows between the nodes of two tables
-
 
 def draw(tree, tables, image, recipe_of):
     """Add the whole graph of the `tables` in `image`, see lut_image, to `tree`. `recipe_of(closure id)` ->
@@ -18,11 +16,10 @@ def draw(tree, tables, image, recipe_of):
     """
     graph, shaders = Graph(tree), []
     try:
-        for number, table in enumerate(tables):
-            graph.down = number * BELOW
+        for table in tables:
             shaders.append(closure_graph.draw(graph, table, image, recipe_of))
-        graph.down = 0.0
         _output(graph, tables[0].lut, shaders)
+        graph.arrange()
     except BaseException:
         graph.remove_created()
         raise
@@ -33,10 +30,10 @@ def _output(graph, lut, shaders):
     """Feed the group's output: the shader of the table, or its mixture with that without the film."""
     total = shaders[0]
     if len(shaders) > 1:
-        inputs = graph.node("NodeGroupInput", 12.6, 1, folded=False)
-        coverage = graph.math("ADD", 13.6, 1, "coverage", inputs.outputs[COVERAGE], 0.0, clamp=True)
-        total = mix_shader.between(graph, 14.6, 1, "without or with the film", coverage, shaders[1], total)
-    output = graph.node("NodeGroupOutput", 15.6, 1, folded=False)
+        inputs = graph.node("NodeGroupInput", folded=False)
+        coverage = graph.math("ADD", "coverage", inputs.outputs[COVERAGE], 0.0, clamp=True)
+        total = mix_shader.between(graph, "without or with the film", coverage, shaders[1], total)
+    output = graph.node("NodeGroupOutput", folded=False)
     output.is_active_output = True
     graph.link(total, output.inputs["Shader"])
     thin_sheet.draw(graph, lut, output)

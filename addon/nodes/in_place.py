@@ -102,47 +102,44 @@ def feed(material, node, names=(*_SHARED, shader_base_graph.SHADER)):
 def _with_emission_and_alpha(tree, node, replaced):
     """The shader of the layers with the emission and alpha of the Principled BSDF."""
     graph, shader = Graph(tree), node.outputs["Shader"]
-    column, row = node.location.x / COLUMN, -node.location.y / ROW
     if principled.emits(replaced):
-        emission = graph.node("ShaderNodeEmission", column, row - 3, "Emission")
+        emission = graph.node("ShaderNodeEmission", "Emission")
         _carry(replaced.inputs[principled.EMISSION], emission.inputs["Color"])
         strength = emission.inputs["Strength"]
         if principled.is_coated(replaced):
-            left, strength = _below_coat(graph, column, row - 4, replaced)
+            left, strength = _below_coat(graph, replaced)
             graph.link(left, emission.inputs["Strength"])
         _carry(replaced.inputs[principled.STRENGTH], strength)
-        shader = mix_shader.added(graph, column + 1, row - 2, "With emission", shader, emission.outputs[0])
+        shader = mix_shader.added(graph, "With emission", shader, emission.outputs[0])
     if principled.is_cut_out(replaced):
-        clear = graph.node("ShaderNodeBsdfTransparent", column, row - 2, "Nothing")
+        clear = graph.node("ShaderNodeBsdfTransparent", "Nothing")
         alpha = replaced.inputs[principled.ALPHA]
-        shader = mix_shader.between(graph, column + 1, row - 1, "Alpha", alpha.default_value,
-                                    clear.outputs[0], shader)
+        shader = mix_shader.between(graph, "Alpha", alpha.default_value, clear.outputs[0], shader)
         _carry(alpha, shader.node.inputs[0])
     for made in graph.created:
         own_nodes.mark(made)
-        place = tuple(made.location)
         made.parent = node.parent
-        made.location = place
+    graph.arrange(node.location.x + COLUMN, node.location.y + 5.0 * ROW)
     return shader
 
 
-def _below_coat(graph, column, row, replaced):
+def _below_coat(graph, replaced):
     """(a socket with the share of a strength that passes the coat, the input for that strength). The share is
     1 - Coat Weight x Fresnel reflectance, as in Cycles for a smooth coat."""
-    fresnel = graph.node("ShaderNodeFresnel", column - 3, row, "coat")
-    ior = graph.math("POWER", column - 4, row, "IOR of the coat", 1.0, 1.0)
+    fresnel = graph.node("ShaderNodeFresnel", "coat")
+    ior = graph.math("POWER", "IOR of the coat", 1.0, 1.0)
     # The Fresnel node inverts the index on back faces, and the coat does not.
-    geometry = graph.node("ShaderNodeNewGeometry", column - 6, row)
+    geometry = graph.node("ShaderNodeNewGeometry")
     back = geometry.outputs["Backfacing"]
-    power = graph.math("MULTIPLY_ADD", column - 5, row, "-1 on back faces", back, -2.0, 1.0)
+    power = graph.math("MULTIPLY_ADD", "-1 on back faces", back, -2.0, 1.0)
     graph.link(power, ior.node.inputs[1])
     _carry(replaced.inputs[principled.COAT_IOR], ior.node.inputs[0])
     graph.link(ior, fresnel.inputs["IOR"])
     _carry(replaced.inputs[principled.COAT_NORMAL], fresnel.inputs["Normal"])
-    reflected = graph.math("MULTIPLY", column - 2, row, "reflected", fresnel.outputs[0], 0.0)
+    reflected = graph.math("MULTIPLY", "reflected", fresnel.outputs[0], 0.0)
     _carry(replaced.inputs[principled.COAT], reflected.node.inputs[1])
-    left = graph.math("SUBTRACT", column - 1, row, "left", 1.0, reflected)
-    strength = graph.math("MULTIPLY", column - 1, row + 1, "strength", left, 0.0)
+    left = graph.math("SUBTRACT", "left", 1.0, reflected)
+    strength = graph.math("MULTIPLY", "strength", left, 0.0)
     return strength, strength.node.inputs[1]
 
 

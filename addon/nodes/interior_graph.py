@@ -47,19 +47,19 @@ def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
     view = _view(graph, scale) if by_view else None
     changes = [*images.lamp_changes, images.sky_change] if by_view else [None] * len(sources)
     every = zip(sources, [*images.lamps, images.sky], changes, strict=True)
-    for row, (one, image, change) in enumerate(every):
+    for one, image, change in every:
         if change is None:
-            light = textures.socket(one.name, one.factor * image, 3 * row)
+            light = textures.socket(one.name, one.factor * image)
         else:
-            light = _towards(graph, textures, one.name, 3 * row, one.factor * image, change, view)
-        coloured = graph.vector("MULTIPLY", 3, 3 * row, one.name, light, sockets[_colour(one)])
-        shown = graph.scale(3, 3 * row + 1, one.name, coloured, sockets[_strength(one)])
-        total = shown if total is None else graph.vector("ADD", 4, 3 * row, "all light", total, shown)
+            light = _towards(graph, textures, one.name, one.factor * image, change, view)
+        coloured = graph.vector("MULTIPLY", one.name, light, sockets[_colour(one)])
+        shown = graph.scale(one.name, coloured, sockets[_strength(one)])
+        total = shown if total is None else graph.vector("ADD", "all light", total, shown)
     mirrored = None if surface.ior == 1.0 else boundary_graph.reflectance(graph, surface.ior)
     if by_view and surface.is_smooth:
-        passed = graph.math("SUBTRACT", 4, -3, "1 - reflectance", 1.0, mirrored)
-        total = graph.scale(4, -1, "light that the boundary lets out", total, passed)
-    emission = graph.node("ShaderNodeEmission", 5, 0, "light from inside")
+        passed = graph.math("SUBTRACT", "1 - reflectance", 1.0, mirrored)
+        total = graph.scale("light that the boundary lets out", total, passed)
+    emission = graph.node("ShaderNodeEmission", "light from inside")
     graph.link(total, emission.inputs["Color"])
     if mirrored is None:
         return emission.outputs[0], None
@@ -67,37 +67,36 @@ def draw_lit(graph, images, sources, surface, uv_map, name, scale, sockets):
 
 
 def _view(graph, scale):
-    geometry = graph.node("ShaderNodeNewGeometry", -6, 0, "view")
-    turned = graph.node("ShaderNodeVectorTransform", -5, 0, "view in the object's space")
+    geometry = graph.node("ShaderNodeNewGeometry", "view")
+    turned = graph.node("ShaderNodeVectorTransform", "view in the object's space")
     turned.vector_type, turned.convert_from, turned.convert_to = "VECTOR", "WORLD", "OBJECT"
     graph.link(geometry.outputs["Incoming"], turned.inputs["Vector"])
     # In the object's space lengths are divided by its scale.
-    direction = graph.vector("MULTIPLY", -4, 0, "view", turned.outputs["Vector"], tuple(scale))
-    x, y, z = graph.separate(-4, 1, "view", direction)
-    others = graph.node("ShaderNodeCombineColor", -4, 2, "y, z, x")
+    direction = graph.vector("MULTIPLY", "view", turned.outputs["Vector"], tuple(scale))
+    x, y, z = graph.separate("view", direction)
+    others = graph.node("ShaderNodeCombineColor", "y, z, x")
     for value, socket in zip((y, z, x), others.inputs, strict=True):
         graph.link(value, socket)
-    products = graph.vector("MULTIPLY", -3, 0, "xy, yz, zx", direction, others.outputs["Color"])
-    squares = [graph.math("MULTIPLY", -3, 1 + row, name, value, value)
-               for row, (name, value) in enumerate((("xx", x), ("yy", y)))]
+    products = graph.vector("MULTIPLY", "xy, yz, zx", direction, others.outputs["Color"])
+    squares = [graph.math("MULTIPLY", name, value, value)
+               for name, value in (("xx", x), ("yy", y))]
     return _View(direction, products, *squares)
 
 
-def _towards(graph, textures, name, row, image, change, view):
+def _towards(graph, textures, name, image, change, view):
     """The socket of light times the exponential of a quadratic function of the view. `change`: the factors of
     x, y, z, xx, yy, xy, yz, zx, and of 1, see lamina.LitImages."""
-    light = textures.node(name, np.concatenate([image, change[..., 8:]], axis=-1), row)
-    linear = textures.node(f"{name} by view", change[..., :4], row + 1)
-    square = textures.node(f"{name} by view squared", change[..., [5, 6, 7, 4]], row + 2)
+    light = textures.node(name, np.concatenate([image, change[..., 8:]], axis=-1))
+    linear = textures.node(f"{name} by view", change[..., :4])
+    square = textures.node(f"{name} by view squared", change[..., [5, 6, 7, 4]])
     exponent = light.outputs["Alpha"]
-    for k, (node, vector, number) in enumerate(((linear, view.direction, view.xx),
-                                                (square, view.products, view.yy)), start=1):
-        term = graph.vector("DOT_PRODUCT", -1, row + k, node.label, node.outputs["Color"], vector)
-        term = graph.math("MULTIPLY_ADD", 0, row + k, node.label, node.outputs["Alpha"], number, term)
-        exponent = graph.math("ADD", 1, row + k, f"{name} exponent", exponent, term)
-    exponent = graph.math("MINIMUM", 2, row + 2, f"{name} exponent", exponent, math.log(LARGEST))
-    factor = graph.math("EXPONENT", 2, row + 1, f"{name} towards the eye", exponent)
-    return graph.scale(2, row, f"{name} towards the eye", light.outputs["Color"], factor)
+    for node, vector, number in ((linear, view.direction, view.xx), (square, view.products, view.yy)):
+        term = graph.vector("DOT_PRODUCT", node.label, node.outputs["Color"], vector)
+        term = graph.math("MULTIPLY_ADD", node.label, node.outputs["Alpha"], number, term)
+        exponent = graph.math("ADD", f"{name} exponent", exponent, term)
+    exponent = graph.math("MINIMUM", f"{name} exponent", exponent, math.log(LARGEST))
+    factor = graph.math("EXPONENT", f"{name} towards the eye", exponent)
+    return graph.scale(f"{name} towards the eye", light.outputs["Color"], factor)
 
 
 def _strength(source):
@@ -113,18 +112,18 @@ class _Images:
 
     def __init__(self, graph, uv_map, name):
         self._graph, self._name = graph, name
-        self._map = graph.node("ShaderNodeUVMap", -3, 3, "texels")
+        self._map = graph.node("ShaderNodeUVMap", "texels")
         self._map.uv_map = uv_map
 
-    def socket(self, what, pixels, row):
+    def socket(self, what, pixels):
         """Add an image of (height, width, 3), bottom row first; the socket of its colour."""
         texels = np.ones((*pixels.shape[:2], 4), np.float32)
         texels[..., :3] = pixels
-        return self.node(what, texels, row).outputs["Color"]
+        return self.node(what, texels).outputs["Color"]
 
-    def node(self, what, texels, row):
+    def node(self, what, texels):
         """Add an image of (height, width, 4), bottom row first; its node."""
-        node = self._graph.node("ShaderNodeTexImage", -2, row, what)
+        node = self._graph.node("ShaderNodeTexImage", what)
         node.image = data_image.create(f"Lamina {self._name} {what}", texels)
         node.interpolation, node.extension = "Linear", "EXTEND"
         self._graph.link(self._map.outputs["UV"], node.inputs["Vector"])

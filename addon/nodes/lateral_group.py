@@ -29,13 +29,14 @@ def build(material, name, draw, millimetre, inputs=(), again=False):
     again = again and not is_new and not added
     drawing = graph.Graph(group)
     try:
-        given = drawing.node("NodeGroupInput", -3, 0).outputs
+        given = drawing.node("NodeGroupInput").outputs
         shader, volume = draw(drawing, given[MILLIMETRE], given)
         _settle_volume(group, volume is not None)
-        outputs = drawing.node("NodeGroupOutput", 5, 0)
+        outputs = drawing.node("NodeGroupOutput")
         drawing.link(shader, outputs.inputs["Shader"])
         if volume is not None:
             drawing.link(volume, outputs.inputs[node_group.VOLUME])
+        drawing.arrange()
     except BaseException:
         new_images = node_group.images_of(drawing.created)
         drawing.remove_created()

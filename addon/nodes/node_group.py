@@ -171,8 +171,7 @@ def recipe_source():
         try:
             return lobes.recipe(name)
         except (KeyError, ValueError):
-            raise closure_graph.UnknownClosureError(
-                f"closure {name}: not in this version's dictionary"
+            raise closure_graph.UnknownClosureError(f"closure {name}: not in this version's dictionary"
             ) from None
 
     return recipe_of

@@ -19,11 +19,11 @@ def place_of_depth(graph, direction):
 
     Uniform if the azimuth is. The triangle wave has the period 2 / FOLDS half turns, so half a turn changes
     nothing."""
-    parts = graph.node("ShaderNodeSeparateXYZ", -2, 18, "direction")
+    parts = graph.node("ShaderNodeSeparateXYZ", "direction")
     graph.link(direction, parts.inputs[0])
-    azimuth = graph.math("ARCTAN2", -1, 18, "azimuth", parts.outputs[1], parts.outputs[0])
-    folded = graph.math("MULTIPLY", 0, 18, "folded", azimuth, FOLDS / math.pi)
-    return graph.math("PINGPONG", 1, 18, "place of the depth", folded, 1.0)
+    azimuth = graph.math("ARCTAN2", "azimuth", parts.outputs[1], parts.outputs[0])
+    folded = graph.math("MULTIPLY", "folded", azimuth, FOLDS / math.pi)
+    return graph.math("PINGPONG", "place of the depth", folded, 1.0)
 
 
 def weight_and_normal(graph, tables, image, length, geometry, light_path):
@@ -31,15 +31,15 @@ def weight_and_normal(graph, tables, image, length, geometry, light_path):
 
     `tables`: lamina.PortalTables; `length`: socket with the Blender units per millimetre."""
     incoming, flat = geometry.outputs["Incoming"], geometry.outputs["True Normal"]
-    cosine = graph.vector("DOT_PRODUCT", 0, 21, "exit cosine", incoming, flat)
+    cosine = graph.vector("DOT_PRODUCT", "exit cosine", incoming, flat)
     depth = portal_image.depth(graph, image, place_of_depth(graph, incoming))
-    way = graph.math("DIVIDE", 0, 20, "path length, mm", light_path.outputs["Ray Length"], length)
-    beyond = graph.math("SUBTRACT", 0, 23, "beyond the depth", way, depth)
-    shape = _shape(graph, tables, depth, way, beyond, graph.math("MULTIPLY", 1, 21, "height", way, cosine))
-    by_channel = graph.node("ShaderNodeCombineXYZ", 6, 24, "weight at the exit")
-    between = graph.math("MULTIPLY", 4, 25, "", way, graph.math("SQRT", 3, 25, "", shape))
+    way = graph.math("DIVIDE", "path length, mm", light_path.outputs["Ray Length"], length)
+    beyond = graph.math("SUBTRACT", "beyond the depth", way, depth)
+    shape = _shape(graph, tables, depth, way, beyond, graph.math("MULTIPLY", "height", way, cosine))
+    by_channel = graph.node("ShaderNodeCombineXYZ", "weight at the exit")
+    between = graph.math("MULTIPLY", "", way, graph.math("SQRT", "", shape))
     # Beside an edge and in a hollow, t may be less than z. The factor for t = z limits the light there.
-    beyond = graph.math("MAXIMUM", 1, 24, "", beyond, 0.0)
+    beyond = graph.math("MAXIMUM", "", beyond, 0.0)
     done = {}
     for channel, decay in enumerate(_three(tables.decay)):
         if decay not in done:
@@ -52,24 +52,24 @@ def _shape(graph, tables, depth, way, beyond, height):
     """u / h, for the source's height h over the exit's tangent plane. The share s = z / 2 a of the depth z in
     the body is z (h - z) / (t^2 - z^2) on a sphere of radius a. A hollow surface counts as flat."""
     # Beside an edge, the other face is nearer than z: this face gets no more light than its rays are dense.
-    ratio = graph.math("DIVIDE", 3, 20, "depth over height", depth, height, clamp=True)
+    ratio = graph.math("DIVIDE", "depth over height", depth, height, clamp=True)
     if tables.curved == 0.0:
         return ratio
-    square = graph.math("MULTIPLY", 1, 22, "", graph.math("ADD", 0, 22, "", way, depth), beyond)
-    rise = graph.math("SUBTRACT", 2, 21, "rise", height, depth)
-    share = graph.math("MULTIPLY", 3, 22, "", graph.math("DIVIDE", 3, 21, "curvature", rise, square), depth)
-    rest = graph.math("SUBTRACT", 4, 21, "rest of the body", 1.0, share, clamp=True)
-    rest = graph.math("POWER", 5, 21, "", rest, tables.curved)
-    return graph.math("MULTIPLY", 6, 20, "shape of the surface", ratio, rest)
+    square = graph.math("MULTIPLY", "", graph.math("ADD", "", way, depth), beyond)
+    rise = graph.math("SUBTRACT", "rise", height, depth)
+    share = graph.math("MULTIPLY", "", graph.math("DIVIDE", "curvature", rise, square), depth)
+    rest = graph.math("SUBTRACT", "rest of the body", 1.0, share, clamp=True)
+    rest = graph.math("POWER", "", rest, tables.curved)
+    return graph.math("MULTIPLY", "shape of the surface", ratio, rest)
 
 
 def _decayed(graph, decay, beyond, shape, between):
     """(u / h + k t sqrt(u / h)) exp(-k (t - z)). `between`: t sqrt(u / h); `beyond`: t - z."""
     if decay == 0.0:
         return shape
-    fall = graph.math("EXPONENT", 3, 24, "fall", graph.math("MULTIPLY", 2, 24, "", beyond, -decay))
-    light = graph.math("MULTIPLY_ADD", 5, 25, "light of the source", between, decay, shape)
-    return graph.math("MULTIPLY", 6, 24, "in this channel", fall, light)
+    fall = graph.math("EXPONENT", "fall", graph.math("MULTIPLY", "", beyond, -decay))
+    light = graph.math("MULTIPLY_ADD", "light of the source", between, decay, shape)
+    return graph.math("MULTIPLY", "in this channel", fall, light)
 
 
 def _tilted(graph, tables, geometry, cosine):
@@ -77,9 +77,9 @@ def _tilted(graph, tables, geometry, cosine):
     normal = geometry.outputs["Normal"]
     if tables.tilt == 0.0:
         return normal
-    upwards = graph.scale(1, 27, "", geometry.outputs["True Normal"], cosine)
-    level = graph.vector("SUBTRACT", 2, 27, "level", geometry.outputs["Incoming"], upwards)
-    return graph.vector("MULTIPLY_ADD", 3, 27, "tilted", level, (tables.tilt,) * 3, normal)
+    upwards = graph.scale("", geometry.outputs["True Normal"], cosine)
+    level = graph.vector("SUBTRACT", "level", geometry.outputs["Incoming"], upwards)
+    return graph.vector("MULTIPLY_ADD", "tilted", level, (tables.tilt,) * 3, normal)
 
 
 def _three(values):

@@ -27,8 +27,8 @@ def draw(graph, tables, length, name):
     # Over the share of the views that take the portal, times the integral of the cosines' density.
     views = tables.views[:, None] * tables.shares * ((0.5 + tables.lift) / (1.0 - tables.entering))
     image = portal_image.create(name, tables.depths, views)
-    geometry = graph.node("ShaderNodeNewGeometry", -3, 4)
-    light_path = graph.node("ShaderNodeLightPath", -3, 10)
+    geometry = graph.node("ShaderNodeNewGeometry")
+    light_path = graph.node("ShaderNodeLightPath")
     chance = _chance(graph, geometry.outputs["Position"], length)
     shader = _to_the_source(graph, tables, length, geometry, image, chance)
     volume = None
@@ -49,14 +49,14 @@ def _to_the_source(graph, tables, length, geometry, image, chance):
     direction = _direction(graph, normal, cosine, sine, chance[1], turn)
     place = portal_exit.place_of_depth(graph, direction)
     depth = portal_image.depth(graph, image, place)
-    seen = graph.vector("DOT_PRODUCT", 0, 12, "view cosine", normal, geometry.outputs["Incoming"])
+    seen = graph.vector("DOT_PRODUCT", "view cosine", normal, geometry.outputs["Incoming"])
     weight = portal_image.by_view(graph, image, place, seen)
-    portal = graph.node("ShaderNodeBsdfRayPortal", 4, 6, "to the source")
-    inverse = graph.math("DIVIDE", 2, 9, "", 1.0, density)
-    graph.link(graph.scale(3, 9, "over the cosines' density", weight, inverse), portal.inputs["Color"])
-    way = graph.math("MULTIPLY", 1, 5, "depth of the source", depth, length)
-    below = graph.scale(2, 5, "down", normal, way)
-    source = graph.vector("SUBTRACT", 3, 5, "source", geometry.outputs["Position"], below)
+    portal = graph.node("ShaderNodeBsdfRayPortal", "to the source")
+    inverse = graph.math("DIVIDE", "", 1.0, density)
+    graph.link(graph.scale("over the cosines' density", weight, inverse), portal.inputs["Color"])
+    way = graph.math("MULTIPLY", "depth of the source", depth, length)
+    below = graph.scale("down", normal, way)
+    source = graph.vector("SUBTRACT", "source", geometry.outputs["Position"], below)
     graph.link(source, portal.inputs["Position"])
     graph.link(direction, portal.inputs["Direction"])
     return portal.outputs[0]
@@ -64,11 +64,11 @@ def _to_the_source(graph, tables, length, geometry, image, chance):
 
 def _chance(graph, position, length):
     """Two random numbers, uniform in [0, 1), for the shading point."""
-    fine = graph.math("DIVIDE", -2, 6, "steps", NOISE_SCALE, length)
-    noise = graph.node("ShaderNodeTexWhiteNoise", -1, 6, "chance")
+    fine = graph.math("DIVIDE", "steps", NOISE_SCALE, length)
+    noise = graph.node("ShaderNodeTexWhiteNoise", "chance")
     noise.noise_dimensions = "3D"
-    graph.link(graph.scale(-2, 7, "in steps", position, fine), noise.inputs["Vector"])
-    parts = graph.node("ShaderNodeSeparateColor", 0, 6, "chance")
+    graph.link(graph.scale("in steps", position, fine), noise.inputs["Vector"])
+    parts = graph.node("ShaderNodeSeparateColor", "chance")
     graph.link(noise.outputs["Color"], parts.inputs[0])
     return tuple(parts.outputs)[:2]
 
@@ -76,42 +76,38 @@ def _chance(graph, position, length):
 def _cosine(graph, lift, chance):
     """(cosine, sine, cosine + lift) of the angle between the source's ray and the normal. The square of the
     last is uniform."""
-    square = graph.math("MULTIPLY_ADD", 0, 7, "", chance, 1.0 + 2.0 * lift, lift * lift)
-    lifted = graph.math("SQRT", 1, 7, "lifted", square)
-    cosine = graph.math("SUBTRACT", 2, 7, "cosine", lifted, lift)
-    rest = graph.math("SUBTRACT", 4, 7, "rest", 1.0, graph.math("MULTIPLY", 3, 7, "square", cosine, cosine))
-    return cosine, graph.math("SQRT", 6, 7, "sine", graph.math("MAXIMUM", 5, 7, "", rest, 0.0)), lifted
+    square = graph.math("MULTIPLY_ADD", "", chance, 1.0 + 2.0 * lift, lift * lift)
+    lifted = graph.math("SQRT", "lifted", square)
+    cosine = graph.math("SUBTRACT", "cosine", lifted, lift)
+    rest = graph.math("SUBTRACT", "rest", 1.0, graph.math("MULTIPLY", "square", cosine, cosine))
+    return cosine, graph.math("SQRT", "sine", graph.math("MAXIMUM", "", rest, 0.0)), lifted
 
 
 def _direction(graph, normal, cosine, sine, chance, turn):
-    angle = graph.math("MULTIPLY", 0, 14, "azimuth", chance, turn)
-    first = graph.vector("CROSS_PRODUCT", 0, 15, "across", normal, ASIDE)
-    first = graph.vector("NORMALIZE", 1, 15, "first axis", first)
-    second = graph.vector("CROSS_PRODUCT", 2, 15, "second axis", normal, first)
-    along = graph.math("MULTIPLY", 2, 14, "along the first", sine, graph.math("COSINE", 1, 14, "", angle))
-    aside = graph.math("MULTIPLY", 2, 16, "along the second", sine, graph.math("SINE", 1, 16, "", angle))
-    level = graph.vector(
-        "ADD", 4, 15, "level",
-        graph.scale(3, 15, "", first, along),
-        graph.scale(3, 16, "", second, aside),
-    )
-    return graph.vector("ADD", 5, 15, "direction", level, graph.scale(4, 16, "upwards", normal, cosine))
+    angle = graph.math("MULTIPLY", "azimuth", chance, turn)
+    first = graph.vector("CROSS_PRODUCT", "across", normal, ASIDE)
+    first = graph.vector("NORMALIZE", "first axis", first)
+    second = graph.vector("CROSS_PRODUCT", "second axis", normal, first)
+    along = graph.math("MULTIPLY", "along the first", sine, graph.math("COSINE", "", angle))
+    aside = graph.math("MULTIPLY", "along the second", sine, graph.math("SINE", "", angle))
+    level = graph.vector("ADD", "level", graph.scale("", first, along), graph.scale("", second, aside), )
+    return graph.vector("ADD", "direction", level, graph.scale("upwards", normal, cosine))
 
 
 def _by_side(graph, tables, length, geometry, light_path, shader, volume, leaving):
     """The shader of both faces: on the back face, rays from the source show the light from outside, and the
     front face gets `shader`. `leaving`: weight and tilted normal where a ray leaves."""
     weight, tilted = leaving
-    lit = graph.node("ShaderNodeBsdfTranslucent", 6, 9, "light from outside")
+    lit = graph.node("ShaderNodeBsdfTranslucent", "light from outside")
     _colour(graph, lit, portal_volume.rgb(tables.entry.diffuse), weight)
     graph.link(tilted, lit.inputs["Normal"])
     behind, front = lit.outputs[0], shader
     if tables.entry.toon.any():
         leave, front = _by_toon(graph, tables, length, geometry, light_path, shader, weight)
-        behind = mix_shader.added(graph, 7, 9, "all that enters", behind, leave)
+        behind = mix_shader.added(graph, "all that enters", behind, leave)
     if volume is not None:
         behind = portal_volume.behind(graph, light_path, behind)
-    return mix_shader.between(graph, 7, 6, "from inside", geometry.outputs["Backfacing"], front, behind)
+    return mix_shader.between(graph, "from inside", geometry.outputs["Backfacing"], front, behind)
 
 
 def _by_toon(graph, tables, length, geometry, light_path, shader, weight):
@@ -122,30 +118,30 @@ def _by_toon(graph, tables, length, geometry, light_path, shader, weight):
     and get `shader`."""
     normal, position = geometry.outputs["True Normal"], geometry.outputs["Position"]
     step = _step(graph, tables, length, position)
-    leave = graph.node("ShaderNodeBsdfRayPortal", 6, 8, "to the outside")
+    leave = graph.node("ShaderNodeBsdfRayPortal", "to the outside")
     _colour(graph, leave, portal_volume.rgb(tables.entry.toon), weight)
-    outside = graph.vector("SUBTRACT", 5, 9, "outside", position, graph.scale(4, 9, "a step", normal, step))
+    outside = graph.vector("SUBTRACT", "outside", position, graph.scale("a step", normal, step))
     graph.link(outside, leave.inputs["Position"])
     graph.link(normal, leave.inputs["Direction"])
-    toon = graph.node("ShaderNodeBsdfToon", 4, 15, "light from outside")
+    toon = graph.node("ShaderNodeBsdfToon", "light from outside")
     toon.component = "DIFFUSE"
     toon.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     toon.inputs["Size"].default_value = tables.entry.size
     toon.inputs["Smooth"].default_value = tables.entry.smooth
-    limit = graph.math("MULTIPLY", 4, 12, "twice", step, 2.0)
-    near = graph.math("LESS_THAN", 5, 12, "came from the step", light_path.outputs["Ray Length"], limit)
-    front = mix_shader.between(graph, 6, 6, "from outside", near, shader, toon.outputs[0])
+    limit = graph.math("MULTIPLY", "twice", step, 2.0)
+    near = graph.math("LESS_THAN", "came from the step", light_path.outputs["Ray Length"], limit)
+    front = mix_shader.between(graph, "from outside", near, shader, toon.outputs[0])
     return leave.outputs[0], front
 
 
 def _colour(graph, node, colour, weight):
     """Set the color of a closure, times the socket `weight`."""
-    graph.link(graph.vector("MULTIPLY", 5, 10, "weighted", weight, colour), node.inputs["Color"])
+    graph.link(graph.vector("MULTIPLY", "weighted", weight, colour), node.inputs["Color"])
 
 
 def _step(graph, tables, length, position):
     """Distance between the surface and the point outside: a small part of the profile, and above the rounding
     errors of the position."""
-    away = graph.vector("LENGTH", 2, 12, "from the origin", position)
-    far = graph.math("MULTIPLY_ADD", 3, 12, "rounding", away, ROUNDING, LEAST_STEP)
-    return graph.math("MULTIPLY_ADD", 4, 11, "a step", length, STEP * float(np.median(tables.distance)), far)
+    away = graph.vector("LENGTH", "from the origin", position)
+    far = graph.math("MULTIPLY_ADD", "rounding", away, ROUNDING, LEAST_STEP)
+    return graph.math("MULTIPLY_ADD", "a step", length, STEP * float(np.median(tables.distance)), far)

@@ -26,7 +26,7 @@ def depth(graph, image, place):
 def by_view(graph, image, place, cosine):
     """The weight of a ray by the place of its depth and by the view cosine."""
     width, height = image.size
-    at = graph.node("ShaderNodeCombineXYZ", 2, 2 * VIEWS, "depth and view")
+    at = graph.node("ShaderNodeCombineXYZ", "depth and view")
     graph.link(place, at.inputs[0])
     graph.link(cosine, at.inputs[1])
     # From [0, 1] to the centers of the first and the last row of views.
@@ -37,7 +37,7 @@ def by_view(graph, image, place, cosine):
 
 def _texture(graph, image, row, label, place, interpolation, scale):
     """The image at `place` times `scale` from the center of the first texel of a row."""
-    node = graph.node("ShaderNodeTexImage", 3, 2 * row, label)
+    node = graph.node("ShaderNodeTexImage", label)
     node.image, node.interpolation, node.extension = image, interpolation, "EXTEND"
     node.texture_mapping.scale = (*scale, 0.0)
     node.texture_mapping.translation = (0.5 / image.size[0], (row + 0.5) / image.size[1], 0.0)

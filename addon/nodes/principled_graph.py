@@ -12,7 +12,7 @@ def beside(graph, lut, inputs, normal, weight, layers):
     """The shader `layers` plus the BSDF times `weight`, a socket with equal channels. `inputs`: the group's
     input node; `normal`: a socket."""
     base = lut.header["stack"]["base"]
-    bsdf = graph.node("ShaderNodeBsdfPrincipled", 10.6, -3, _LABEL)
+    bsdf = graph.node("ShaderNodeBsdfPrincipled", _LABEL)
     for name, socket in principled.SOCKETS.items():
         if name in base.get("inputs", ()):
             graph.link(inputs.outputs[socket], bsdf.inputs[socket])
@@ -20,14 +20,14 @@ def beside(graph, lut, inputs, normal, weight, layers):
             bsdf.inputs[socket].default_value = value(name, base[name])
     graph.link(normal, bsdf.inputs["Normal"])
     if principled.TANGENT in inputs.outputs:
-        tangent = graph.vector("ADD", 9.4, -3, "never zero", inputs.outputs[principled.TANGENT], NEVER_ZERO)
+        tangent = graph.vector("ADD", "never zero", inputs.outputs[principled.TANGENT], NEVER_ZERO)
         graph.link(tangent, bsdf.inputs[principled.TANGENT])
     if base["coat"][0] > 0.0:
         graph.link(normal, bsdf.inputs["Coat Normal"])
     for socket in bsdf.inputs:
         socket.hide = not socket.is_linked
-    weighted = mix_shader.weighted(graph, 12, -3, "weighted", weight, bsdf.outputs[0])
-    return mix_shader.added(graph, 13.2, -2, "layers and base", layers, weighted)
+    weighted = mix_shader.weighted(graph, "weighted", weight, bsdf.outputs[0])
+    return mix_shader.added(graph, "layers and base", layers, weighted)
 
 
 def keep_facets(group, replaced):

@@ -10,28 +10,28 @@ def draw(graph, inputs, length, texels=None):
     """Add the nodes and return (the shader's socket, None): there is no volume.
 
     `inputs`: lamina.SubsurfaceInputs in millimetres; `length`: the socket with the number of Blender units
-    per millimetre. If the inputs are images, `texels(name, pixels, row)` adds an image of (height, width, 3)
+    per millimetre. If the inputs are images, `texels(name, pixels)` adds an image of (height, width, 3)
     and returns the socket of its colour."""
-    shader = _walk(graph, 0, "walk", inputs, "", length, texels)
+    shader = _walk(graph, "walk", inputs, "", length, texels)
     if inputs.extra_weight > 0.0:
-        lost = _walk(graph, 4, "light that the walk loses", inputs, "extra_", length, texels)
-        share = mix_shader.weighted(graph, 1, 4, "its share", inputs.extra_weight, lost)
-        shader = mix_shader.added(graph, 2, 2, "all that leaves", shader, share)
+        lost = _walk(graph, "light that the walk loses", inputs, "extra_", length, texels)
+        share = mix_shader.weighted(graph, "its share", inputs.extra_weight, lost)
+        shader = mix_shader.added(graph, "all that leaves", shader, share)
     if inputs.has_boundary:
         shader = boundary_graph.over(graph, inputs.ior, inputs.roughness, shader)
     return shader, None
 
 
-def _walk(graph, row, label, inputs, prefix, length, texels):
-    node = graph.node("ShaderNodeSubsurfaceScattering", 0, row, label)
+def _walk(graph, label, inputs, prefix, length, texels):
+    node = graph.node("ShaderNodeSubsurfaceScattering", label)
     node.falloff = "RANDOM_WALK"
     colour, radius = getattr(inputs, f"{prefix}color"), getattr(inputs, f"{prefix}radius")
     if texels is None:
         node.inputs["Color"].default_value = (*_rgb(colour), 1.0)
         node.inputs["Radius"].default_value = _rgb(radius)
     else:
-        graph.link(texels(f"{prefix}color", colour, row), node.inputs["Color"])
-        graph.link(texels(f"{prefix}radius", radius, row + 1), node.inputs["Radius"])
+        graph.link(texels(f"{prefix}color", colour), node.inputs["Color"])
+        graph.link(texels(f"{prefix}radius", radius), node.inputs["Radius"])
     node.inputs["IOR"].default_value = inputs.ior
     node.inputs["Roughness"].default_value = inputs.roughness
     node.inputs["Anisotropy"].default_value = inputs.anisotropy

@@ -42,12 +42,12 @@ def remove(mesh):
         mesh.attributes.remove(attribute)
 
 
-def draw(graph, column, row):
+def draw(graph):
     """The socket of the coordinates in a shader: the object's own on a mesh without the attribute."""
-    stored = graph.node("ShaderNodeAttribute", column, row, "at rest")
+    stored = graph.node("ShaderNodeAttribute", "at rest")
     stored.attribute_type, stored.attribute_name = "GEOMETRY", NAME
-    place = graph.node("ShaderNodeTexCoord", column, row + 3).outputs["Object"]
+    place = graph.node("ShaderNodeTexCoord").outputs["Object"]
     # A missing attribute is 0 everywhere.
-    length = graph.vector("LENGTH", column + 0.4, row + 1, "length", stored.outputs["Vector"])
-    is_stored = graph.math("GREATER_THAN", column + 0.4, row + 2, "is stored", length, 0.0)
-    return graph.mix("VECTOR", column + 1, row, "at rest or now", is_stored, place, stored.outputs["Vector"])
+    length = graph.vector("LENGTH", "length", stored.outputs["Vector"])
+    is_stored = graph.math("GREATER_THAN", "is stored", length, 0.0)
+    return graph.mix("VECTOR", "at rest or now", is_stored, place, stored.outputs["Vector"])

@@ -12,8 +12,8 @@ def over(graph, inputs, weight, layers):
 
     The weight, a socket with a color, is made grey, because Cycles has no colored weights of shaders.
     `inputs`: the group's input node."""
-    grey = graph.node("ShaderNodeRGBToBW", 12.2, -3, "grey")
+    grey = graph.node("ShaderNodeRGBToBW", "grey")
     graph.link(weight, grey.inputs[0])
     shader = inputs.outputs[SHADER]
-    weighted = mix_shader.weighted(graph, 13.2, -3, "weighted base", grey.outputs[0], shader)
-    return mix_shader.added(graph, 13.2, -2, "layers and base", layers, weighted)
+    weighted = mix_shader.weighted(graph, "weighted base", grey.outputs[0], shader)
+    return mix_shader.added(graph, "layers and base", layers, weighted)

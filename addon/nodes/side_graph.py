@@ -35,22 +35,22 @@ def draw(graph: Graph, lut, inputs, backfacing, most):
     """(thickness, side) as sockets: the thickness in [0, `most`], the side 0 for the table's top and 1 for
     the bottom. `inputs`: the group's input node. `backfacing`: 1 on back faces.
     """
-    front = _clamped(graph, 7, "thickness", inputs.outputs[FRONT], most)
+    front = _clamped(graph, "thickness", inputs.outputs[FRONT], most)
     sheet = len(lut.header["sides"]) > 1
     if not shows_back(lut):
         return front, backfacing
-    back = _clamped(graph, 9.4, "thickness of the back", inputs.outputs[BACK], most)
+    back = _clamped(graph, "thickness of the back", inputs.outputs[BACK], most)
     if sheet:
-        over = graph.math("GREATER_THAN", 1.4, 9.4, "dust on the back", back, front)
-        turned = graph.math("SUBTRACT", 2.4, 9.4, "side", backfacing, over)
-        return (graph.math("MAXIMUM", 1.4, 8.2, "of the dusty side", front, back),
-                graph.math("ABSOLUTE", 3.4, 9.4, "side or other", turned))
-    given = graph.math("GREATER_THAN", 0.4, 10.6, "has its own", inputs.outputs[BACK], 0.5 * AS_FRONT)
-    chosen = graph.math("MULTIPLY", 1.4, 10.6, "and is seen", given, backfacing)
-    more = graph.math("SUBTRACT", 1.4, 9.4, "back less front", back, front)
-    return graph.math("MULTIPLY_ADD", 2.4, 9.4, "of this side", more, chosen, front), backfacing
+        over = graph.math("GREATER_THAN", "dust on the back", back, front)
+        turned = graph.math("SUBTRACT", "side", backfacing, over)
+        return (graph.math("MAXIMUM", "of the dusty side", front, back),
+                graph.math("ABSOLUTE", "side or other", turned))
+    given = graph.math("GREATER_THAN", "has its own", inputs.outputs[BACK], 0.5 * AS_FRONT)
+    chosen = graph.math("MULTIPLY", "and is seen", given, backfacing)
+    more = graph.math("SUBTRACT", "back less front", back, front)
+    return graph.math("MULTIPLY_ADD", "of this side", more, chosen, front), backfacing
 
 
-def _clamped(graph, line, label, socket, most):
-    least = graph.math("MAXIMUM", -0.6, line, label, socket, 0.0)
-    return graph.math("MINIMUM", 0.4, line, MOST_LABEL, least, most)
+def _clamped(graph, label, socket, most):
+    least = graph.math("MAXIMUM", label, socket, 0.0)
+    return graph.math("MINIMUM", MOST_LABEL, least, most)

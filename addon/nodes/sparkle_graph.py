@@ -61,64 +61,63 @@ class Sparkle:
     """The cells of a surface; `over` gives a closure its sparkle. `inputs`: the group's input node."""
 
     def __init__(self, graph, inputs, directions):
-        self._graph, self._directions, self._line = graph, directions, 30
+        self._graph, self._directions = graph, directions
         graph.begin_frame("Sparkle: a random direction and slope for each cell", COLOUR)
-        place = rest_coordinates.draw(graph, -2.6, 30)
-        scale = graph.math("DIVIDE", -2.6, 35, "per length", 1.0, inputs.outputs[SIZE])
-        cells = texture_graph.points(graph, -1.6, 30, place, scale)
+        place = rest_coordinates.draw(graph)
+        scale = graph.math("DIVIDE", "per length", 1.0, inputs.outputs[SIZE])
+        cells = texture_graph.points(graph, place, scale)
         # The color of a cell is also the place of its point in a lattice, so it depends on the cell's size.
-        chance = graph.node("ShaderNodeTexWhiteNoise", -0.6, 30, "of each cell")
+        chance = graph.node("ShaderNodeTexWhiteNoise", "of each cell")
         chance.noise_dimensions = "3D"
         graph.link(cells.outputs["Color"], chance.inputs["Vector"])
-        height, turn, share = graph.separate(0.4, 30, "u", chance.outputs["Color"])
+        height, turn, share = graph.separate("u", chance.outputs["Color"])
         self._tilt_of(height, turn, share)
-        camera = graph.node("ShaderNodeCameraData", -0.6, 36)
+        camera = graph.node("ShaderNodeCameraData")
         away = camera.outputs["View Distance"]
-        near = graph.math("DIVIDE", 0.4, 36, "near", inputs.outputs[DISTANCE], away)
-        near = graph.math("MINIMUM", 1.4, 36, "at most 1", near, 1.0)
-        self._share = graph.math("MULTIPLY", 2.4, 36, "share that sparkles", inputs.outputs[SPARKLE], near)
+        near = graph.math("DIVIDE", "near", inputs.outputs[DISTANCE], away)
+        near = graph.math("MINIMUM", "at most 1", near, 1.0)
+        self._share = graph.math("MULTIPLY", "share that sparkles", inputs.outputs[SPARKLE], near)
         graph.end_frame()
 
     def _tilt_of(self, height, turn, share):
         """Sets `_direction`, a random one of the whole sphere, whose azimuth about any normal is random, and
         `_slope`, for widths of 1."""
         graph = self._graph
-        up = graph.math("MULTIPLY_ADD", 1.4, 30, "z", height, 2.0, -1.0)
-        around = graph.math("MULTIPLY", 1.4, 31, "azimuth", turn, 2.0 * math.pi)
-        down = graph.math("MULTIPLY", 1.9, 32, "-z", up, -1.0)
-        ring = graph.math("MULTIPLY_ADD", 2.4, 30, "1 - z^2", up, down, 1.0)
-        ring = graph.math("SQRT", 2.9, 30, "ring", ring)
-        direction = graph.node("ShaderNodeCombineXYZ", 4.4, 30, "random direction")
+        up = graph.math("MULTIPLY_ADD", "z", height, 2.0, -1.0)
+        around = graph.math("MULTIPLY", "azimuth", turn, 2.0 * math.pi)
+        down = graph.math("MULTIPLY", "-z", up, -1.0)
+        ring = graph.math("MULTIPLY_ADD", "1 - z^2", up, down, 1.0)
+        ring = graph.math("SQRT", "ring", ring)
+        direction = graph.node("ShaderNodeCombineXYZ", "random direction")
         for number, how in enumerate(("COSINE", "SINE")):
-            part = graph.math(how, 2.4, 31 + number, how.lower(), around)
-            graph.link(graph.math("MULTIPLY", 3.4, 31 + number, "part", part, ring), direction.inputs[number])
+            part = graph.math(how, how.lower(), around)
+            graph.link(graph.math("MULTIPLY", "part", part, ring), direction.inputs[number])
         graph.link(up, direction.inputs[2])
         self._direction = direction.outputs[0]
-        share = graph.math("MINIMUM", 1.4, 33, "u", share, MOST)
-        rest = graph.math("SUBTRACT", 1.9, 34, "1 - u", 1.0, share)
-        odds = graph.math("DIVIDE", 2.4, 33, "u / (1 - u)", share, rest)
-        square = graph.math("MULTIPLY", 2.4, 34, "u^2", share, share)
-        rise = graph.math("MULTIPLY", 2.4, 35, "u^4", square, square)
-        rise = graph.math("MULTIPLY_ADD", 2.9, 35, "steep", rise, SLOPES[2], SLOPES[0])
-        square = graph.math("MULTIPLY_ADD", 2.9, 34, "all", share, SLOPES[1], rise)
-        square = graph.math("MULTIPLY", 3.4, 33, "r^2", odds, square)
-        self._slope = graph.math("SQRT", 3.9, 33, "slope", square)
+        share = graph.math("MINIMUM", "u", share, MOST)
+        rest = graph.math("SUBTRACT", "1 - u", 1.0, share)
+        odds = graph.math("DIVIDE", "u / (1 - u)", share, rest)
+        square = graph.math("MULTIPLY", "u^2", share, share)
+        rise = graph.math("MULTIPLY", "u^4", square, square)
+        rise = graph.math("MULTIPLY_ADD", "steep", rise, SLOPES[2], SLOPES[0])
+        square = graph.math("MULTIPLY_ADD", "all", share, SLOPES[1], rise)
+        square = graph.math("MULTIPLY", "r^2", odds, square)
+        self._slope = graph.math("SQRT", "slope", square)
 
     def over(self, closure, shape, weight, node):
         """The shader of the Glossy BSDF `node`, whose share Sparkle falls apart. `shape`: its Shape, or None
         if it is fixed; `weight`: the socket of its color."""
-        graph, line = self._graph, self._line
+        graph = self._graph
         shape = shape or Shape(node.inputs["Roughness"].default_value, 0.0, self._directions.of("N"))
-        self._line += 10
         outer = graph.frame
         graph.begin_frame(f"Sparkle of {closure}", COLOUR)
-        facets = _Facets(graph, line, shape, self._directions)
+        facets = _Facets(graph, shape, self._directions)
         tilted, x = facets.tilted(self._direction, self._slope)
         factor = facets.weight(tilted)
-        cell = graph.node(node.bl_idname, 16, line, f"cells {closure}")
+        cell = graph.node(node.bl_idname, f"cells {closure}")
         cell.distribution = node.distribution
-        narrow = graph.math("MULTIPLY", 14, line + 1, "narrow", shape.roughness, math.sqrt(NARROW))
-        weight = graph.scale(15, line, "weight", weight, factor)
+        narrow = graph.math("MULTIPLY", "narrow", shape.roughness, math.sqrt(NARROW))
+        weight = graph.scale("weight", weight, factor)
         for name, socket in (("Color", weight), ("Roughness", narrow), ("Anisotropy", shape.anisotropy),
                              ("Normal", tilted), ("Tangent", x)):
             graph.set(cell.inputs[name], socket)
@@ -126,68 +125,64 @@ class Sparkle:
             socket.hide = not socket.is_linked
         graph.frame = outer
         shaders = node.outputs[0], cell.outputs[0]
-        return mix_shader.between(graph, 17, line, "lobe or cells", self._share, *shaders)
+        return mix_shader.between(graph, "lobe or cells", self._share, *shaders)
 
 
 class _Facets:
     """The field of facets of a Glossy BSDF: its widths, and its frame X, Y, n with X in the plane of
     incidence."""
 
-    def __init__(self, graph, line, shape, directions):
-        self._graph, self._line, self._view = graph, line, directions.of("I")
-        self._n = graph.vector("NORMALIZE", 4.4, line, "n", shape.normal)
-        cosine = graph.vector("DOT_PRODUCT", 5.4, line, "n.o", self._n, self._view)
-        self._cosine = graph.math("MAXIMUM", 6.4, line, "n.o", cosine, LEAST_COSINE)
-        across = graph.vector("CROSS_PRODUCT", 5.4, line + 1, "across", self._n, directions.of("I aside"))
-        self._y = graph.vector("NORMALIZE", 6.4, line + 1, "Y", across)
-        self._x = graph.vector("CROSS_PRODUCT", 7.4, line + 1, "X", self._y, self._n)
-        mean = graph.math("MULTIPLY", 4.4, line + 3, "alpha", shape.roughness, shape.roughness)
-        size = graph.math("ABSOLUTE", 4.4, line + 4, "|a|", shape.anisotropy)
-        rest = graph.math("SUBTRACT", 5.4, line + 4, "1 - |a|", 1.0, size)
-        squeeze = graph.math("POWER", 6.4, line + 4, "squeeze", rest,
-                             graph.math("SIGN", 5.4, line + 5, "sign", shape.anisotropy))
-        self._alpha_x = graph.math("MULTIPLY", 7.4, line + 3, "alpha x", mean, squeeze, clamp=True)
-        self._alpha_y = graph.math("DIVIDE", 7.4, line + 4, "alpha y", mean, squeeze, clamp=True)
+    def __init__(self, graph, shape, directions):
+        self._graph, self._view = graph, directions.of("I")
+        self._n = graph.vector("NORMALIZE", "n", shape.normal)
+        cosine = graph.vector("DOT_PRODUCT", "n.o", self._n, self._view)
+        self._cosine = graph.math("MAXIMUM", "n.o", cosine, LEAST_COSINE)
+        across = graph.vector("CROSS_PRODUCT", "across", self._n, directions.of("I aside"))
+        self._y = graph.vector("NORMALIZE", "Y", across)
+        self._x = graph.vector("CROSS_PRODUCT", "X", self._y, self._n)
+        mean = graph.math("MULTIPLY", "alpha", shape.roughness, shape.roughness)
+        size = graph.math("ABSOLUTE", "|a|", shape.anisotropy)
+        rest = graph.math("SUBTRACT", "1 - |a|", 1.0, size)
+        squeeze = graph.math("POWER", "squeeze", rest, graph.math("SIGN", "sign", shape.anisotropy))
+        self._alpha_x = graph.math("MULTIPLY", "alpha x", mean, squeeze, clamp=True)
+        self._alpha_y = graph.math("DIVIDE", "alpha y", mean, squeeze, clamp=True)
 
     def tilted(self, direction, slope):
         """(the vector n + s of a facet of this direction and slope, X): sockets."""
-        graph, line = self._graph, self._line
-        parts = [graph.vector("DOT_PRODUCT", 8.4, line + k, "part", direction, axis)
-                 for k, axis in enumerate((self._x, self._y))]
-        square = graph.math("MULTIPLY", 9.0, line + 2, "square", parts[1], parts[1])
-        square = graph.math("MULTIPLY_ADD", 9.4, line + 2, "square", parts[0], parts[0], square)
-        length = graph.math("SQRT", 9.9, line + 2, "length", square)
-        slope = graph.math("DIVIDE", 10.4, line + 2, "slope", slope, length)
+        graph = self._graph
+        parts = [graph.vector("DOT_PRODUCT", "part", direction, axis)
+                 for axis in (self._x, self._y)]
+        square = graph.math("MULTIPLY", "square", parts[1], parts[1])
+        square = graph.math("MULTIPLY_ADD", "square", parts[0], parts[0], square)
+        length = graph.math("SQRT", "length", square)
+        slope = graph.math("DIVIDE", "slope", slope, length)
         facet = self._n
         axes = (self._x, self._y), (self._alpha_x, self._alpha_y)
-        for k, (part, axis, alpha) in enumerate(zip(parts, *axes, strict=True)):
-            wide = graph.math("MULTIPLY", 10.4, line + k, "wide", part, alpha)
-            wide = graph.math("MULTIPLY", 11.0, line + k, "tilt", wide, slope)
-            facet = graph.vector("ADD", 11.8 + 0.4 * k, line + k, "n + s", facet,
-                                 graph.scale(11.4, line + k, "along", axis, wide))
+        for part, axis, alpha in zip(parts, *axes, strict=True):
+            wide = graph.math("MULTIPLY", "wide", part, alpha)
+            wide = graph.math("MULTIPLY", "tilt", wide, slope)
+            facet = graph.vector("ADD", "n + s", facet, graph.scale("along", axis, wide))
         return facet, self._x
 
     def weight(self, tilted):
         """(n + s).o / n.o G2(o, i), with G2 = 2 / (R(o) + R(i)), R = sqrt(1 + (alpha tan)^2); almost 0 if i
         is below."""
-        graph, line = self._graph, self._line
-        seen = graph.vector("DOT_PRODUCT", 12.4, line + 3, "(n + s).o", tilted, self._view)
-        seen = graph.math("MAXIMUM", 12.8, line + 3, "seen", seen, 0.0)
-        mirrored = graph.vector("REFLECT", 12.4, line + 4, "-i", self._view, tilted)
-        height = graph.math("MULTIPLY", 13.2, line + 5, "n.i", -1.0,
-                            graph.vector("DOT_PRODUCT", 12.8, line + 5, "-n.i", self._n, mirrored))
-        height = graph.math("MAXIMUM", 13.6, line + 5, "n.i", height, LEAST_COSINE)
-        both = graph.math("ADD", 14.4, line + 4, "R + R", self._root(line + 6, self._view, self._cosine),
-                          self._root(line + 4, mirrored, height))
-        masked = graph.math("MULTIPLY", 14.4, line + 5, "masked", both, self._cosine)
-        twice = graph.math("MULTIPLY", 13.6, line + 3, "twice", seen, 2.0)
-        return graph.math("DIVIDE", 15, line + 3, "weight", twice, masked)
+        graph = self._graph
+        seen = graph.vector("DOT_PRODUCT", "(n + s).o", tilted, self._view)
+        seen = graph.math("MAXIMUM", "seen", seen, 0.0)
+        mirrored = graph.vector("REFLECT", "-i", self._view, tilted)
+        height = graph.math("MULTIPLY", "n.i", -1.0, graph.vector("DOT_PRODUCT", "-n.i", self._n, mirrored))
+        height = graph.math("MAXIMUM", "n.i", height, LEAST_COSINE)
+        both = graph.math("ADD", "R + R", self._root(self._view, self._cosine), self._root(mirrored, height))
+        masked = graph.math("MULTIPLY", "masked", both, self._cosine)
+        twice = graph.math("MULTIPLY", "twice", seen, 2.0)
+        return graph.math("DIVIDE", "weight", twice, masked)
 
-    def _root(self, line, direction, cosine):
+    def _root(self, direction, cosine):
         graph, sum = self._graph, 0.0
         for axis, alpha in ((self._x, self._alpha_x), (self._y, self._alpha_y)):
-            part = graph.vector("DOT_PRODUCT", 12.6, line, "part", axis, direction)
-            part = graph.math("MULTIPLY", 13, line, "alpha part", part, alpha)
-            part = graph.math("DIVIDE", 13.3, line, "alpha tan", part, cosine)
-            sum = graph.math("MULTIPLY_ADD", 13.6, line, "square", part, part, sum)
-        return graph.math("SQRT", 14, line, "R", graph.math("ADD", 13.8, line, "1 + square", sum, 1.0))
+            part = graph.vector("DOT_PRODUCT", "part", axis, direction)
+            part = graph.math("MULTIPLY", "alpha part", part, alpha)
+            part = graph.math("DIVIDE", "alpha tan", part, cosine)
+            sum = graph.math("MULTIPLY_ADD", "square", part, part, sum)
+        return graph.math("SQRT", "R", graph.math("ADD", "1 + square", sum, 1.0))

@@ -30,34 +30,34 @@ class Reader:
         self.texels = eevee_lookup.Texels(
             graph, image, view.angle, self._columns, table.height, self._rows, self._around, table.first)
 
-    def read(self, strip, column, line, label):
+    def read(self, strip, label):
         """The color of a strip, as Cycles finds it."""
         index, around = self._strips.index(strip), self._around
         if around.share is None:
-            return self._look_up(around.corners[0], index, column, line, label)
-        lower, upper = (self._look_up(one, index, column, line, label) for one in around.corners)
-        return self._graph.mix("VECTOR", column + 1.6, line, "between", around.share, lower, upper)
+            return self._look_up(around.corners[0], index, label)
+        lower, upper = (self._look_up(one, index, label) for one in around.corners)
+        return self._graph.mix("VECTOR", "between", around.share, lower, upper)
 
-    def alpha(self, strip, line, label):
+    def alpha(self, strip, label):
         """The number in the alpha of a strip, as Cycles finds it."""
         index = self._strips.index(strip)
         if index not in self._textures:
-            self.read(strip, 7, line, label)
+            self.read(strip, label)
         held = [texture.outputs["Alpha"] for texture in self._textures[index]]
         if len(held) == 1:
             return held[0]
-        return self._graph.mix("FLOAT", 8.6, line, "between", self._around.share, *held)
+        return self._graph.mix("FLOAT", "between", self._around.share, *held)
 
-    def of_both(self, strip, line, label, number=None):
+    def of_both(self, strip, label, number=None):
         """A strip that Cycles and Eevee share. `number`: where Cycles finds it, if not in the strip."""
-        value = self.read(strip, 7, line, label) if number is None else number
+        value = self.read(strip, label) if number is None else number
         index, name = self._strips.index(strip), f"{eevee_graph.LABEL} {label}"
-        (exact,) = self.texels.read(index, 7, line, name, alpha=False)
+        (exact,) = self.texels.read(index, name, alpha=False)
         kind = "RGBA" if number is None else "FLOAT"
-        return eevee_graph.chosen_value(self._graph, line, self.chooser, value, exact, kind)
+        return eevee_graph.chosen_value(self._graph, self.chooser, value, exact, kind)
 
-    def _look_up(self, place, index, column, line, label):
-        texture = self._graph.node("ShaderNodeTexImage", column + 1, line, label)
+    def _look_up(self, place, index, label):
+        texture = self._graph.node("ShaderNodeTexImage", label)
         texture.image = self._image
         texture.interpolation, texture.extension = "Linear", "EXTEND"
         columns, row = self._columns, self._table.first + index * self._rows

@@ -50,16 +50,16 @@ def largest_tau(lut):
 def draw(graph, lut, height):
     """The View of a table in an image of `height` texels."""
     rows = lut.header["axes"]["tau"]["count"]
-    inputs = graph.node("NodeGroupInput", -2.2, 2, folded=False)
-    geometry = graph.node("ShaderNodeNewGeometry", -2.2, 6, folded=False)
+    inputs = graph.node("NodeGroupInput", folded=False)
+    geometry = graph.node("ShaderNodeNewGeometry", folded=False)
     incoming = geometry.outputs["Incoming"]
     backfacing = geometry.outputs["Backfacing"]
 
     graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
     normal = normal_of(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
     graph.begin_frame("View angle", ANGLE_COLOUR)
-    cosine = graph.vector("DOT_PRODUCT", -0.6, 4, "view cosine", incoming, normal)
-    angle = graph.math("ARCCOSINE", 0.4, 4, "view angle", cosine)
+    cosine = graph.vector("DOT_PRODUCT", "view cosine", incoming, normal)
+    angle = graph.math("ARCCOSINE", "view angle", cosine)
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
     v, tangent, turn = _row(graph, lut, inputs, backfacing, rows, height), None, None
     if azimuth_graph.rows(lut) > 1:
@@ -67,11 +67,11 @@ def draw(graph, lut, height):
         tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
         per_radian = (azimuth_graph.rows(lut) - 1) / math.pi
         if rows == 1:
-            v = graph.math("MULTIPLY_ADD", 9.4, 22, "v of the azimuth", azimuth, per_radian / height, v)
+            v = graph.math("MULTIPLY_ADD", "v of the azimuth", azimuth, per_radian / height, v)
         else:
-            turn = graph.math("MULTIPLY", 9.4, 22, "row of the azimuth", azimuth, per_radian)
+            turn = graph.math("MULTIPLY", "row of the azimuth", azimuth, per_radian)
     graph.end_frame()
-    place = graph.node("ShaderNodeCombineXYZ", 5.6, 3, "view angle, v")
+    place = graph.node("ShaderNodeCombineXYZ", "view angle, v")
     graph.set(place.inputs[0], angle)
     graph.set(place.inputs[1], v)
     return View(inputs, incoming, normal, cosine, angle, tangent, v, place.outputs[0], turn)
@@ -79,10 +79,10 @@ def draw(graph, lut, height):
 
 def normal_of(graph, given, own):
     """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
-    length = graph.vector("LENGTH", -0.6, 0, "length", given)
-    is_given = graph.math("GREATER_THAN", 0.4, 0, "is given", length, 0.5)
-    chosen = graph.mix("VECTOR", 1.4, 1, "normal", is_given, own, given)
-    return graph.vector("NORMALIZE", 2.4, 1, "N", chosen)
+    length = graph.vector("LENGTH", "length", given)
+    is_given = graph.math("GREATER_THAN", "is given", length, 0.5)
+    chosen = graph.mix("VECTOR", "normal", is_given, own, given)
+    return graph.vector("NORMALIZE", "N", chosen)
 
 
 def _row(graph, lut, inputs, backfacing, rows, height):
@@ -94,13 +94,13 @@ def _row(graph, lut, inputs, backfacing, rows, height):
     first = 0.0
     if len(lut.header["sides"]) > 1:
         strips = len(lut.header["closures"])
-        first = graph.math("MULTIPLY", 4.4, 8.2, "bottom side's strips", side, strips * rows / height)
+        first = graph.math("MULTIPLY", "bottom side's strips", side, strips * rows / height)
     if rows == 1:
-        return graph.math("ADD", 5.4, 8.2, "v", first, 0.0)
-    shifted = graph.math("ADD", 3.4, 8.2, "tau + 1/2", tau, TAU_BEND)
-    share = graph.math("DIVIDE", 3.4, 7, "tau / (tau + 1/2)", tau, shifted)
-    row = graph.math("MULTIPLY", 4.4, 7, SCALE_LABEL, share, scale)
-    return graph.math("ADD", 5.4, 7, "v", row, first)
+        return graph.math("ADD", "v", first, 0.0)
+    shifted = graph.math("ADD", "tau + 1/2", tau, TAU_BEND)
+    share = graph.math("DIVIDE", "tau / (tau + 1/2)", tau, shifted)
+    row = graph.math("MULTIPLY", SCALE_LABEL, share, scale)
+    return graph.math("ADD", "v", row, first)
 
 
 def _thickness_scale(lut, rows, height):

@@ -2,9 +2,9 @@
 """Texture nodes in three dimensions that patterns share: noise, random points, and their values."""
 
 
-def noise(graph, column, row, label, place, scale, detail):
+def noise(graph, label, place, scale, detail):
     """The node of a fractal noise. `detail`: octaves beyond the first."""
-    node = graph.node("ShaderNodeTexNoise", column, row, label)
+    node = graph.node("ShaderNodeTexNoise", label)
     node.noise_dimensions = "3D"
     graph.link(place, node.inputs["Vector"])
     graph.link(scale, node.inputs["Scale"])
@@ -12,18 +12,18 @@ def noise(graph, column, row, label, place, scale, detail):
     return node
 
 
-def points(graph, column, row, place, scale):
+def points(graph, place, scale):
     """The node of a Voronoi pattern: Distance, Color and Position of the nearest random point."""
-    node = graph.node("ShaderNodeTexVoronoi", column, row, "random points")
+    node = graph.node("ShaderNodeTexVoronoi", "random points")
     node.voronoi_dimensions = "3D"
     graph.link(place, node.inputs["Vector"])
     graph.link(scale, node.inputs["Scale"])
     return node
 
 
-def ramp(graph, column, row, label, value, first, last, start=-1.0):
+def ramp(graph, label, value, first, last, start=-1.0):
     """The socket of `start` at `first` and before, 1 at `last` and beyond, linear between."""
-    node = graph.node("ShaderNodeMapRange", column, row, label)
+    node = graph.node("ShaderNodeMapRange", label)
     node.clamp = True
     graph.link(value, node.inputs["Value"])
     for name, number in (("From Min", first), ("From Max", last), ("To Min", start), ("To Max", 1.0)):
@@ -31,8 +31,8 @@ def ramp(graph, column, row, label, value, first, last, start=-1.0):
     return node.outputs["Result"]
 
 
-def parts(graph, column, row, vector):
+def parts(graph, vector):
     """The sockets of the three parts of a vector or color."""
-    node = graph.node("ShaderNodeSeparateXYZ", column, row, "parts")
+    node = graph.node("ShaderNodeSeparateXYZ", "parts")
     graph.link(vector, node.inputs[0])
     return tuple(node.outputs)

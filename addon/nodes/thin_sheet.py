@@ -32,7 +32,7 @@ def remove(group):
 def draw(graph, lut, output):
     """Feed the output of the group, `output` being its node."""
     if is_sheet(lut):
-        value = graph.node("ShaderNodeValue", 13.6, 4, "thin in Eevee")
+        value = graph.node("ShaderNodeValue", "thin in Eevee")
         value.outputs[0].default_value = 0.0
         graph.link(value.outputs[0], output.inputs[OUTPUT])
 

@@ -24,26 +24,26 @@ def around(graph, inputs, corner, v, count, step, is_alone):
     no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
     if count < 2:
         return Around((corner,), (v,), None)
-    share = graph.math("ADD", 0.4, 12.6, "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
-    place = graph.math("MULTIPLY", 1.4, 12.6, "roughness row", share, float(count - 1))
+    share = graph.math("ADD", "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
+    place = graph.math("MULTIPLY", "roughness row", share, float(count - 1))
     if is_alone:
-        up = graph.math("MULTIPLY", 5.4, 13.6, "v", place, step)
-        only = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the roughness")
+        up = graph.math("MULTIPLY", "v", place, step)
+        only = graph.node("ShaderNodeCombineXYZ", "v of the roughness")
         graph.link(up, only.inputs[1])
-        corner = graph.vector("ADD", 6.2, 13.6, "row", corner, only.outputs[0])
-        return Around((corner,), (graph.math("ADD", 5.4, 14.6, "v of the row", v, up),), None)
+        corner = graph.vector("ADD", "row", corner, only.outputs[0])
+        return Around((corner,), (graph.math("ADD", "v of the row", v, up),), None)
     return between(graph, place, corner, v, count, step)
 
 
 def between(graph, place, corner, v, count, step):
     """The places around the row `place`, from 0 to count - 1, of the third axis of a table."""
-    whole = graph.math("FLOOR", 3.4, 12.6, "whole", place)
-    below = graph.math("MINIMUM", 4.4, 12.6, "row below", whole, float(count - 2))
-    share = graph.math("SUBTRACT", 5.4, 12.6, "share of the row above", place, below)
-    lower = graph.node("ShaderNodeCombineXYZ", 6.2, 12.6, "v of the row below")
-    up = graph.math("MULTIPLY", 5.4, 13.6, "v", below, step)
+    whole = graph.math("FLOOR", "whole", place)
+    below = graph.math("MINIMUM", "row below", whole, float(count - 2))
+    share = graph.math("SUBTRACT", "share of the row above", place, below)
+    lower = graph.node("ShaderNodeCombineXYZ", "v of the row below")
+    up = graph.math("MULTIPLY", "v", below, step)
     graph.link(up, lower.inputs[1])
-    first = graph.vector("ADD", 6.2, 13.6, "row below", corner, lower.outputs[0])
-    second = graph.vector("ADD", 6.2, 14.6, "row above", first, (0.0, step, 0.0))
-    low = graph.math("ADD", 5.4, 14.6, "v below", v, up)
-    return Around((first, second), (low, graph.math("ADD", 5.4, 15.6, "v above", low, step)), share)
+    first = graph.vector("ADD", "row below", corner, lower.outputs[0])
+    second = graph.vector("ADD", "row above", first, (0.0, step, 0.0))
+    low = graph.math("ADD", "v below", v, up)
+    return Around((first, second), (low, graph.math("ADD", "v above", low, step)), share)

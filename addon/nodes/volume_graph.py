@@ -40,9 +40,9 @@ def draw(graph, body, length):
     number of Blender units per millimetre."""
     surface = body.surface
     if surface.ior == 1.0:
-        face = graph.node("ShaderNodeBsdfTransparent", 0, 0, "no boundary")
+        face = graph.node("ShaderNodeBsdfTransparent", "no boundary")
     else:
-        face = graph.node("ShaderNodeBsdfGlass", 0, 0, "boundary")
+        face = graph.node("ShaderNodeBsdfGlass", "boundary")
         # Without the light that facets scatter several times, a rough boundary of IOR 1.3 lost 10 %.
         face.distribution = "MULTI_GGX" if surface.distribution == "ggx" else "BECKMANN"
         face.inputs["IOR"].default_value = surface.ior
@@ -53,13 +53,13 @@ def draw(graph, body, length):
 
 def _volume(graph, medium, length):
     largest = max(*medium.sigma_s, *medium.sigma_a, 1e-12)
-    density = graph.math("DIVIDE", 0, 3, "in Blender units", largest, length)
-    scatter = graph.node("ShaderNodeVolumeScatter", 1, 2, "scattered")
+    density = graph.math("DIVIDE", "in Blender units", largest, length)
+    scatter = graph.node("ShaderNodeVolumeScatter", "scattered")
     scatter.inputs["Color"].default_value = (*(value / largest for value in medium.sigma_s), 1.0)
     scatter.inputs["Anisotropy"].default_value = medium.g
-    absorb = graph.node("ShaderNodeVolumeAbsorption", 1, 4, "absorbed")
+    absorb = graph.node("ShaderNodeVolumeAbsorption", "absorbed")
     # The closure absorbs its density times (1 - colour).
     absorb.inputs["Color"].default_value = (*(1.0 - value / largest for value in medium.sigma_a), 1.0)
     for node in (scatter, absorb):
         graph.link(density, node.inputs["Density"])
-    return mix_shader.added(graph, 2, 3, "the volume", scatter.outputs[0], absorb.outputs[0])
+    return mix_shader.added(graph, "the volume", scatter.outputs[0], absorb.outputs[0])

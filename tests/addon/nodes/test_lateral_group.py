@@ -13,7 +13,7 @@ def group_of(addon):
     from bl_ext.user_default.lamina.nodes import lateral_group
 
     def draw(graph, _length, sockets):
-        shader = graph.node("ShaderNodeEmission", 0, 0, "shader")
+        shader = graph.node("ShaderNodeEmission", "shader")
         for socket in sockets:
             if socket.name.startswith("Key"):
                 graph.link(socket, shader.inputs["Strength"])

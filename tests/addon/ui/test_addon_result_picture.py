@@ -97,7 +97,7 @@ def test_nothing_undoes_portal_or_relightable(addon, lamina, material):
     addon.baking.bake_job.bake_material(material)
 
     def draw(graph, _length, _sockets):
-        return graph.node("ShaderNodeBsdfDiffuse", 0, 0).outputs[0], None
+        return graph.node("ShaderNodeBsdfDiffuse").outputs[0], None
 
     addon.nodes.lateral_group.build(material, "Portal", draw, 0.001)
     texts = " ".join(lines(addon, material))
