@@ -26,7 +26,7 @@ from lamina.baking.fit.slices import slices, solve_rows
 from lamina.closures import lobes
 from lamina.closures.closure_table import grid_for, light_grid, view_cosines
 from lamina.closures.microfacet_lobes import fresnel_ggx, ggx
-from lamina.solver.solve import thread_pool
+from lamina.solver.core_calls import thread_pool
 
 STACKS = Path(__file__).resolve().parent.parent / "tests/data/fit_stacks.json"
 BEST = 6  # closures of a mixture

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "dust/disc_pattern.hpp"
 #include "numeric/rng.hpp"
 #include "numeric/tangents.hpp"
 
@@ -20,7 +21,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Small enough that threads finish together, large enough to amortise the set-up of a task.
 constexpr std::size_t kPointsPerTask = 32;
 constexpr std::size_t kBatch = 256;  // rays whose pattern is turned at once
-constexpr int kParts = 4;            // of a pattern, see DiscPattern
 // With this number of rays or more, and if the rays of the first part are all open or all occluded, the other parts are
 // traced at one of kRoulette points only, and count that many times there (Russian roulette): the mean stays.
 constexpr std::size_t kManyRays = 128;
@@ -31,52 +31,6 @@ constexpr std::uint64_t kGrainsPerTask = 8192;
 constexpr float kNearest = 0.25F;
 
 float dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Low-discrepancy points of the unit disc: uniform azimuths, and multiples of the golden ratio for the squared radius.
-/// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976). The first quarter
-/// of them, each fourth azimuth, is such a pattern too.
-struct DiscPattern {
-  std::vector<float> cosine, sine, square;
-
-  explicit DiscPattern(int count) {
-    for (int start = 0; start < kParts; ++start) {
-      for (int i = start; i < count; i += kParts) {
-        const double azimuth = 2.0 * kPi * (i + 0.5) / count;
-        cosine.push_back(static_cast<float>(std::cos(azimuth)));
-        sine.push_back(static_cast<float>(std::sin(azimuth)));
-        square.push_back(static_cast<float>(std::fmod(i * std::numbers::phi, 1.0)));
-      }
-    }
-  }
-
-  std::size_t size() const { return cosine.size(); }
-};
-
-struct DiscTurn {
-  float cosine, sine, shift, chance;
-
-  DiscTurn(std::uint64_t seed, std::uint64_t number) {
-    Rng rng(seed, number);
-    const double azimuth = 2.0 * kPi * rng.uniform();
-    cosine = static_cast<float>(std::cos(azimuth));
-    sine = static_cast<float>(std::sin(azimuth));
-    shift = static_cast<float>(rng.uniform());
-    chance = static_cast<float>(rng.uniform());
-  }
-};
-
-/// Points [first, first + count) of a turned pattern: x and y on the unit circle, and the squared radius.
-void turned(const DiscPattern& pattern, const DiscTurn& turn, std::size_t first, std::size_t count, float* x, float* y,
-            float* square) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const float c = pattern.cosine[first + i];
-    const float s = pattern.sine[first + i];
-    const float sum = pattern.square[first + i] + turn.shift;
-    x[i] = c * turn.cosine - s * turn.sine;
-    y[i] = s * turn.cosine + c * turn.sine;
-    square[i] = sum >= 1.0F ? sum - 1.0F : sum;
-  }
-}
 
 /// The slope tan(theta) of a fall, where sin^2(theta) = sin^2(spread) * square.
 float slope_of(float sin_spread, float square) {

@@ -14,7 +14,7 @@ from ..common.progress import Progress, portion, stepper
 from ..kinds.table import TAU_ROWS, Strip
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from ..solver.solve import check_nodes, tolerance_of
+from ..solver.core_calls import check_nodes, tolerance_of
 from .bases.choice import kind_of
 from .bases.job import CLOSURE_BASES, Job, given_strips
 from .fit.slices import require_table

@@ -11,7 +11,7 @@ from ..baking.bases.job import CLOSURE_BASES
 from ..baking.report.words import describe
 from ..baking.table.lut import Lut
 from ..material.any_stack import as_stack
-from ..solver.solve import TOLERANCE
+from ..solver.core_calls import TOLERANCE
 from .arguments import add_stack, add_threads
 from .output import check_suffix, check_writable, progress_of
 

@@ -11,7 +11,8 @@ from ..common.errors import ArgumentError
 from ..exchange.export import save_npz
 from ..exchange.rgl import check_wavelengths, save_bsdf
 from ..material.any_stack import as_stack
-from ..solver.solve import TOLERANCE, solve
+from ..solver.core_calls import TOLERANCE
+from ..solver.solve import solve
 from .arguments import add_stack, add_threads, numbers
 from .output import check_suffix, check_writable, progress_of
 

@@ -15,8 +15,9 @@ from ..common.interruptible import interruptible
 from ..kinds.bases import LEAST_ALPHA, PrincipledBase
 from ..lateral.measured import measured_layers, measured_stack
 from ..material.stack import Stack
+from ..solver.core_calls import or_solve_error, thread_pool, tolerance_of
 from ..solver.sharp_facets import has_sharp_facets
-from ..solver.solve import core_stack, or_solve_error, thread_pool, tolerance_of
+from ..solver.solve import core_stack
 
 QUALITY = "final"
 # The core joins every direction of a call with every other: short lists are fastest. The lobes of rough surfaces take

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..common.arguments import broadcast, check_choice, cosines, finite_array
 from ..common.errors import ArgumentError, quoted
-from ..solver.solve import path_of, side_of
+from ..solver.core_calls import path_of, side_of
 from .light import BeamLight, DirectionLight
 
 DIFFUSE = "diffuse"

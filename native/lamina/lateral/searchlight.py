@@ -14,7 +14,7 @@ from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
-from ..solver.solve import or_solve_error, thread_pool, tolerance_of
+from ..solver.core_calls import or_solve_error, thread_pool, tolerance_of
 from .measured import measured_layers, measured_stack
 
 

@@ -12,7 +12,8 @@ from .. import _core
 from ..common.progress import Progress
 from ..kinds.boundaries import Interface
 from ..material.stack import Stack
-from ..solver.solve import ScatteringFunction, path_of, side_of
+from ..solver.core_calls import path_of, side_of
+from ..solver.solve import ScatteringFunction
 from .facet_densities import FacetDensity, summed
 
 SIDES = ("top", "bottom")

@@ -10,17 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import _core
-from ..common.arguments import (
-    broadcast,
-    check_choice,
-    check_number,
-    check_threads,
-    check_whole,
-    cosines,
-    finite_array,
-    finite_list,
-)
-from ..common.errors import ArgumentError, SolveError, StackError, quoted
+from ..common.arguments import broadcast, check_number, check_whole, cosines, finite_array, finite_list
+from ..common.errors import ArgumentError, StackError, quoted
 from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
 from ..kinds.bases import Lambert, Measured, PrincipledBase, Retroreflector
@@ -34,12 +25,10 @@ from ..material.profile import THICKNESS
 from ..material.stack import Stack
 from ..material.thickness import check_opaque, with_thickness
 from . import labelled, sharp_facets
+from .core_calls import check_nodes, or_solve_error, path_of, side_of, thread_pool, tolerance_of
 from .core_stack import core_stack
 
-TOLERANCE = {"preview": 1e-2, "final": 1e-3}
 FACETS_SHARE = 0.2  # of the time, for the energy of narrow facets where mirrors replace them
-_SIDES = {"top": _core.Side.top, "bottom": _core.Side.bottom}
-_PATHS = {"reflect": _core.Path.reflect, "transmit": _core.Path.transmit}
 
 
 def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int | None = None,
@@ -136,29 +125,6 @@ class _Method:
         if self.nodes is not None:
             return _core.solve_roughly(core, self.tolerance, self.nodes, self.pool)
         return _core.solve(core, self.tolerance, self.pool)
-
-
-def check_nodes(nodes: int | None) -> int | None:
-    """A number of nodes per hemisphere, or None for the solver's choice. Raises ArgumentError."""
-    return None if nodes is None else check_whole(nodes, "nodes", 8, 160)
-
-
-def thread_pool(threads: int) -> _core.ThreadPool:
-    """The core's pool of `threads` threads, 0 for all hardware threads. Raises ArgumentError."""
-    return _core.ThreadPool(check_threads(threads))
-
-
-def tolerance_of(quality: str) -> float:
-    """The relative pointwise tolerance of a quality. Raises ArgumentError."""
-    return TOLERANCE[check_choice(quality, "quality", TOLERANCE)]
-
-
-def or_solve_error(call):
-    """The result of `call`. Raises SolveError for the core's RuntimeError."""
-    try:
-        return call()
-    except RuntimeError as error:
-        raise SolveError(str(error)) from None
 
 
 class ScatteringFunction:
@@ -386,16 +352,6 @@ class ScatteringFunction:
                 f = s.fluxes(where, *flat, self._pool)
                 return np.array([f.reflected, f.mirrored, f.transmitted, f.direct]).reshape(4, *arrays[0].shape)
         return tuple(self._by_channel(call))
-
-
-def path_of(path: str) -> _core.Path:
-    """The core's value for a path. Raises ArgumentError."""
-    return _PATHS[check_choice(path, "path", _PATHS, "'reflect' or 'transmit'")]
-
-
-def side_of(side: str) -> _core.Side:
-    """The core's value for a side. Raises ArgumentError."""
-    return _SIDES[check_choice(side, "side", _SIDES, "'top' or 'bottom'")]
 
 
 def _flat(values: np.ndarray) -> np.ndarray:

@@ -41,6 +41,15 @@ class Closure(NamedTuple):
     distance: np.ndarray
 
 
+class Node(NamedTuple):
+    """A node by Blender's release, and by the inputs that have one number for all channels."""
+
+    version: tuple[int, int]
+    anisotropy: float
+    ior: float
+    roughness: float
+
+
 @dataclass(frozen=True, eq=False)
 class SubsurfaceInputs(ByContent):
     """Inputs of the Subsurface Scattering node (Random Walk) of Cycles. Arrays have the shape of the targets; lengths
@@ -115,7 +124,7 @@ def subsurface_inputs(albedo, distance, anisotropy: float = 0.0, version: tuple[
     light, way = light + weight * extra_light, light * way + weight * extra_light * extra_way
     with np.errstate(divide="ignore", invalid="ignore"):
         way = np.where(light > 0.0, way / light, 0.0)
-    return _inputs(version, g, ior, roughness, main, extra, weight, (light, way), (albedo, distance))
+    return _inputs(Node(version, g, ior, roughness), main, extra, weight, (light, way), (albedo, distance))
 
 
 def inputs_of_closures(first: Closure, second: Closure | None, anisotropy: float, version: tuple[int, int], ior: float,
@@ -130,18 +139,20 @@ def inputs_of_closures(first: Closure, second: Closure | None, anisotropy: float
     if second is not None:
         extra, weight = _full_walk(curves, anisotropy, second.albedo, second.distance), second.weight
     reached = _exit_light(curves._replace(albedo=curves.full_albedo, distance=curves.full_distance), anisotropy, main)
-    return _inputs(version, anisotropy, ior, roughness, main, extra, weight, reached, (first.albedo, first.distance))
+    node = Node(version, anisotropy, ior, roughness)
+    return _inputs(node, main, extra, weight, reached, (first.albedo, first.distance))
 
 
-def _inputs(version: tuple[int, int], g: float, ior: float, roughness: float, main: Walk, extra: Walk, weight: float,
-            reached: tuple[np.ndarray, np.ndarray], targets: tuple[np.ndarray, np.ndarray]) -> SubsurfaceInputs:
+def _inputs(node: Node, main: Walk, extra: Walk, weight: float, reached: tuple[np.ndarray, np.ndarray],
+            targets: tuple[np.ndarray, np.ndarray]) -> SubsurfaceInputs:
     """Inputs of two walks. `reached`, `targets`: exit albedo and mean exit distance."""
+    version, g, _, _ = node
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = [np.where(wanted > 0.0, found / wanted - 1.0, 0.0)
                   for found, wanted in zip(reached, targets, strict=True)]
     return SubsurfaceInputs(
-        version, colour_of_albedo(main.albedo, g, version), radius_of_path(main.path, g, version), g, ior, roughness,
-        weight, colour_of_albedo(extra.albedo, g, version), radius_of_path(extra.path, g, version), *reached, *errors)
+        version, colour_of_albedo(main.albedo, g, version), radius_of_path(main.path, g, version), *node[1:], weight,
+        colour_of_albedo(extra.albedo, g, version), radius_of_path(extra.path, g, version), *reached, *errors)
 
 
 def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:

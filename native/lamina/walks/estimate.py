@@ -17,8 +17,8 @@ from ..common.errors import SolveError, StackError
 from ..common.progress import Progress, portion, stepper
 from ..material.any_stack import AnyStack, as_stack
 from ..material.stack import Stack
+from ..solver.core_calls import path_of, side_of, thread_pool
 from ..solver.core_stack import core_stack
-from ..solver.solve import path_of, side_of, thread_pool
 
 SAMPLES = 1 << 20
 MOST_SAMPLES = 1 << 40

@@ -22,8 +22,8 @@ from ..material.any_stack import AnyStack, as_stack
 from ..material.layers import Medium
 from ..material.millimetres import depth_knots, require_millimetres
 from ..material.stack import Stack
+from ..solver.core_calls import thread_pool
 from ..solver.core_stack import core_stack
-from ..solver.solve import thread_pool
 from .estimate import blocks_of, chunks_in, each_chunk, each_problem
 from .searchlight_moments import DISTANCE, FIRST_FREQUENCY, SQUARE, WEIGHT, Measured, SideMoments
 

@@ -11,7 +11,7 @@ from .. import _core
 from ..common.arguments import check_seed, check_whole
 from ..common.errors import ArgumentError, ShardError, quoted
 from ..common.parts import checked_shard, share_of
-from ..solver.solve import thread_pool
+from ..solver.core_calls import thread_pool
 from .estimate import BLOCK, CHUNK, MOST_SAMPLES, blocks_of, chunks_in
 
 SCHEMA = 1

@@ -8,7 +8,7 @@ import lamina
 from lamina import _core
 from lamina.baking.fit.slices import slices, solve_rows
 from lamina.closures.closure_table import light_grid, view_cosines
-from lamina.solver.solve import tolerance_of
+from lamina.solver.core_calls import tolerance_of
 
 HG = lamina.HenyeyGreenstein
 COVERED = lamina.Stack(

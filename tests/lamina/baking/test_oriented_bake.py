@@ -12,7 +12,7 @@ from lamina.baking.fit.slices import grid_of, slices, solve_rows
 from lamina.baking.report.result_curves import result_curves
 from lamina.closures import shaped_lobes
 from lamina.common.progress import silent
-from lamina.solver.solve import thread_pool
+from lamina.solver.core_calls import thread_pool
 
 LACQUERED = oriented_stacks.STACKS["smooth lacquer on brushed metal"]
 CROSSED = oriented_stacks.STACKS["crossed"]

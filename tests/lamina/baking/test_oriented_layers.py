@@ -13,7 +13,7 @@ from lamina.baking.table.real_time import few_closures
 from lamina.closures.closure_table import view_cosines
 from lamina.common.progress import silent
 from lamina.kinds.table import AZIMUTH_ROWS, TAU_ROWS_OF_AZIMUTH
-from lamina.solver.solve import thread_pool
+from lamina.solver.core_calls import thread_pool
 
 DUST = Medium((0.75, 0.68, 0.58), 1.0, HenyeyGreenstein(0.6), varying=True)
 DUSTY = Stack([DUST], oriented_stacks.metal(0.08, 0.3, angle=0.4))

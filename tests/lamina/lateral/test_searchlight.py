@@ -14,7 +14,7 @@ from z_limit import z_limit
 import lamina
 from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, Stack, _core
 from lamina.lateral.measured import measured_layers, measured_stack
-from lamina.solver.solve import thread_pool
+from lamina.solver.core_calls import thread_pool
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "data/searchlight.json").read_text(encoding="utf-8"))["cases"]
 

@@ -10,7 +10,7 @@ from z_limit import z_limit
 
 import lamina
 from lamina import Medium, Stack, Tabulated
-from lamina.solver.solve import tolerance_of
+from lamina.solver.core_calls import tolerance_of
 
 POINTS = [(0.5, 0.5, 0.0, "transmit"), (0.8, 0.4, 1.3, "reflect"), (0.9, 0.6, math.pi, "reflect"),
           (0.3, 0.7, 0.4, "transmit")]

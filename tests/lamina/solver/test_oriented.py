@@ -12,8 +12,8 @@ from z_limit import z_limit
 
 import lamina
 from lamina import ArgumentError, Conductor, Interface, Lambert, PrincipledBase, SolveError, Stack, StackError, _core
+from lamina.solver.core_calls import tolerance_of
 from lamina.solver.core_stack import core_stack
-from lamina.solver.solve import tolerance_of
 
 VIEWS = 6
 SAMPLES = 1 << 15

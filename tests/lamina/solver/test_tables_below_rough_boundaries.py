@@ -10,8 +10,8 @@ from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, HalfSpace, Interface, Medium, Stack, Tabulated, _core
+from lamina.solver.core_calls import tolerance_of
 from lamina.solver.core_stack import core_stack
-from lamina.solver.solve import tolerance_of
 
 QUALITIES = ("preview", "final")
 

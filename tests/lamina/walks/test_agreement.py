@@ -14,8 +14,8 @@ from z_limit import z_limit
 import lamina
 from lamina import Black, Knot, Lambert, Medium, Stack, _core
 from lamina.kinds import phases
+from lamina.solver.core_calls import tolerance_of
 from lamina.solver.core_stack import core_stack
-from lamina.solver.solve import tolerance_of
 from lamina.walks.estimate import Query
 
 COUNT = 40

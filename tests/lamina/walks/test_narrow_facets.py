@@ -12,7 +12,7 @@ from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, Interface, Lambert, Stack
-from lamina.solver.solve import tolerance_of
+from lamina.solver.core_calls import tolerance_of
 from lamina.walks.estimate import Query
 
 SEEDS = 32

@@ -14,7 +14,7 @@ from ...common.progress import Progress, portion
 from ...kinds.bases import PrincipledBase
 from ...kinds.table import closure_count
 from ...material.stack import Stack
-from ...solver.solve import thread_pool
+from ...solver.core_calls import thread_pool
 from ..fit.between_rows import linear
 from ..fit.mixture import Part
 from ..fit.slices import Slices, SolvedRows, grid_of, joined, slices

@@ -15,7 +15,7 @@ from ...common.progress import silent
 from ...kinds.bases import PrincipledBase
 from ...kinds.table import PRINCIPLED
 from ...material.stack import Stack
-from ...solver.solve import thread_pool
+from ...solver.core_calls import thread_pool
 from .fitted_function import FittedFunction, finite_lobe
 from .mixture import norms, relative, seen_errors, weighted
 from .slices import Slices, SolvedRows, evaluated, solve_rows
