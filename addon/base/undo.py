@@ -8,7 +8,7 @@ at once. So a node that stays may use an image that is freed, and Blender crashe
 
 Therefore all nodes and settings let go of such images before Blender undoes, and take them again afterwards
 where they still exist. The others are told to `changes`. A timer that makes another data-block, such as a
-node group, makes a step of its own, see `recorded`: Undo takes the new data-block away."""
+node group, or fills one anew, makes a step of its own, see `recorded`: Undo takes the change away."""
 
 from contextlib import contextmanager
 
@@ -40,11 +40,12 @@ class _Slot:
 
 
 @contextmanager
-def recorded(message):
-    """Make an undo step if the block makes a node group or a mesh: for changes that no operator records."""
+def recorded(message, always=False):
+    """Make an undo step if the block makes a node group or a mesh, or always: for changes that no operator
+    records."""
     before = _blocks()
     yield
-    if not bpy.app.background and _blocks() - before:
+    if not bpy.app.background and (always or _blocks() - before):
         bpy.ops.ed.undo_push(message=message)
 
 

@@ -71,7 +71,7 @@ class InteriorJob(OfMaterial, Worker):
 
     def __init__(self, task):
         self.task, self.uid = task, task.material
-        self._preview, self.shows = None, False
+        self._preview, self.shows, self._report = None, False, None
         super().__init__(
             lambda progress, cancel: compute(task, progress, cancel, self._keep), "lamina interior"
         )
@@ -87,23 +87,29 @@ class InteriorJob(OfMaterial, Worker):
         material = self.material()
         if images is None or material is None or self.cancelling:
             return
-        with undo.recorded("Lamina Interior"):
-            apply(material, self.task, images, again=self.shows)
-        self.shows = True
+        # The first preview may fill a group that is there. So may the next one, after an undo.
+        shown = self._is_shown(material)
+        with undo.recorded("Lamina Interior", always=not shown):
+            apply(material, self.task, images, again=shown)
+        self.shows, self._report = True, material.lamina.interior.report
+
+    def _is_shown(self, material):
+        """False before the first preview, and after an undo of it."""
+        return self.shows and material.lamina.interior.report == self._report
 
     def finish(self):
         """Like OfMaterial.finish. After a cancel with a preview on show, returns the material, whose report
         then tells how far the work had come."""
-        if not (self.cancelling and self.shows):
-            return super().finish()
         material = self.material()
+        if not self.cancelling or (material is not None and not self._is_shown(material)):
+            return super().finish()
         if material is not None:
             material.lamina.interior.report += f" {STOPPED}"
         return material
 
     def apply(self, material):
         """Build the nodes."""
-        apply(material, self.task, self.result, again=self.shows)
+        apply(material, self.task, self.result, again=self._is_shown(material))
 
 
 def make(context, obj, material, progress=None, cancel=None, folder=None):

@@ -315,6 +315,30 @@ def test_a_cancelled_job_leaves_its_preview(jobs, ball, lamina, tmp_path):
     assert material.lamina.interior.report.endswith(jobs.STOPPED)
 
 
+def test_a_preview_after_an_undo_is_a_first_one(jobs, ball, lamina, monkeypatch, tmp_path):
+    """The previews refill a group that was there: an undo between them must find it in a step of its own. A cancel
+    after an undo tells nothing in the report."""
+    material, seen, steps = ball.active_material, [], []
+    jobs.compute(jobs.gather(bpy.context, ball, material, tmp_path), preview=seen.append)
+    recorded = jobs.undo.recorded
+    monkeypatch.setattr(
+        jobs.undo, "recorded", lambda text, always: steps.append(always) or recorded(text, always))  # fmt: skip
+    job = jobs.start(bpy.context, ball, material)
+    for report in (None, None, ""):
+        if report is not None:
+            material.lamina.interior.report = report  # as before the first preview
+        job._keep(seen[0])
+        job.tick()
+    assert steps == [True, False, True]
+    material.lamina.interior.report = ""
+    job.cancel()
+    job.wait()
+    with pytest.raises(lamina.Cancelled):
+        job.finish()
+    jobs.forget()
+    assert material.lamina.interior.report == ""
+
+
 def test_presets_of_end_materials(jobs, ball, addon, call):
     from bl_ext.user_default.lamina.interior import contents
 
