@@ -12,6 +12,7 @@ import numpy as np
 LEAST = 6.0
 _OFF = {"RELIGHTABLE": 78, "PORTAL": 76}
 _RAYS = 200
+_MOST_FACES = 32  # that a ray meets
 _THIN = 0.05  # share of the surface that is thinner
 _KEY = "lamina_reach"  # of the group: the largest mean exit distance of a channel, in mm
 
@@ -56,10 +57,29 @@ def thin_part(evaluated):
     # Some faces only: a panel that is drawn often asks for this.
     for number in np.unique(np.linspace(0, count - 1, _RAYS).astype(int)):
         polygon = mesh.polygons[int(number)]
-        inwards, off = -polygon.normal, 1e-5 * polygon.area**0.5
-        hit, place, *_ = evaluated.ray_cast(polygon.center + off * inwards, inwards)
-        lengths.append(np.linalg.norm(matrix @ np.array(place - polygon.center)) if hit else np.inf)
+        out, off = polygon.normal, 1e-5 * polygon.area**0.5
+        # Parts that overlap, such as eyes in a head, are one body. Its surface is what lies in no other part.
+        if sum(1 if leaves else -1 for _, leaves in _faces(evaluated, polygon.center, out, off)) > 0:
+            continue
+        end, parts = None, 1
+        for place, leaves in _faces(evaluated, polygon.center, -out, off):
+            parts += -1 if leaves else 1
+            if parts == 0:
+                end = place
+                break
+        lengths.append(np.inf if end is None else np.linalg.norm(matrix @ np.array(end - polygon.center)))
         areas.append(polygon.area)
+    if not areas:
+        return np.inf
     order = np.argsort(lengths)
     thinner = np.cumsum(np.array(areas)[order])
     return float(np.array(lengths)[order][np.searchsorted(thinner, _THIN * thinner[-1])])
+
+
+def _faces(evaluated, place, way, off):
+    """(place, True if the ray leaves a part there) of the faces that a ray meets."""
+    for _ in range(_MOST_FACES):
+        hit, place, normal, _ = evaluated.ray_cast(place + off * way, way)
+        if not hit:
+            return
+        yield place, normal.dot(way) > 0.0

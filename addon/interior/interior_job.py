@@ -101,7 +101,7 @@ class InteriorJob(OfMaterial, Worker):
         """Like OfMaterial.finish. After a cancel with a preview on show, returns the material, whose report
         then tells how far the work had come."""
         material = self.material()
-        if not self.cancelling or (material is not None and not self._is_shown(material)):
+        if not (self.cancelling and self.shows) or (material is not None and not self._is_shown(material)):
             return super().finish()
         if material is not None:
             material.lamina.interior.report += f" {STOPPED}"

@@ -10,7 +10,7 @@ import numpy as np
 from ..base import native, preferences
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Place, Worker
-from ..nodes import node_group
+from ..nodes import node_group, volume_graph
 from . import body, contents, lights, seen, trial_render
 
 log = logging.getLogger(__name__)
@@ -87,6 +87,9 @@ def problem(obj, material):
     """The reason why a trial is impossible, in a sentence, or ''."""
     if not node_group.shows_lateral(material):
         return "Nothing to try: the material shows no light from below its surface"
+    if volume_graph.has_boundary(material):
+        return ("Volume is right without a trial, and below a boundary its light from inside cannot be told "
+                "from reflections")
     return body.problem(obj) or native.reason()
 
 
@@ -104,11 +107,6 @@ def gather(context, obj, material, shown=None, bounces=None):
     # Nodes of the panel's choice Soft show the layers, whatever Veins would fill.
     source = "LAYERS" if shown.lamina.lateral_report else None
     filled = contents.of_material(obj, material, found.body, source)
-    if shown.lamina.lateral_shown == "VOLUME" and source is not None and filled.surface.ior != 1.0:
-        raise RefusedError(
-            "Volume is right without a trial, and below a boundary its light from inside cannot be told from "
-            "reflections"
-        )
     camera = trial_render.camera_of(scene, found.body)
     places = trial_render.places(found.body, found.occluders, camera)
     if len(places.pixels) < LEAST_PLACES:

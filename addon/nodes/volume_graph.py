@@ -8,6 +8,7 @@ from typing import NamedTuple
 from . import mix_shader
 
 MOST = 1024  # volume bounces of Cycles, at most
+_GLASS = "ShaderNodeBsdfGlass"
 _LOST = 0.002  # of the light of a body without end, by paths that end after the bounces
 
 
@@ -16,6 +17,11 @@ class Body(NamedTuple):
 
     medium: object
     surface: object
+
+    @property
+    def hides_lamps(self):
+        """True below a boundary, through which suns and small lamps shine by chance only."""
+        return self.surface.ior != 1.0
 
     @property
     def bounces(self):
@@ -30,9 +36,15 @@ class Body(NamedTuple):
     def report(self):
         """One or two sentences on noise."""
         text = f"Cycles follows up to {self.bounces} scatterings. This is right for closed bodies, and noisy."
-        if self.surface.ior == 1.0:
+        if not self.hides_lamps:
             return text
         return f"{text} Suns and small lamps shine through the boundary by chance only: use Exact for them."
+
+
+def has_boundary(material):
+    """True if the material shows a volume below a boundary."""
+    group = material.lamina.lateral_group
+    return group is not None and any(node.bl_idname == _GLASS for node in group.nodes)
 
 
 def draw(graph, body, length):
@@ -42,7 +54,7 @@ def draw(graph, body, length):
     if surface.ior == 1.0:
         face = graph.node("ShaderNodeBsdfTransparent", "no boundary")
     else:
-        face = graph.node("ShaderNodeBsdfGlass", "boundary")
+        face = graph.node(_GLASS, "boundary")
         # Without the light that facets scatter several times, a rough boundary of IOR 1.3 lost 10 %.
         face.distribution = "MULTI_GGX" if surface.distribution == "ggx" else "BECKMANN"
         face.inputs["IOR"].default_value = surface.ior

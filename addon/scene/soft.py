@@ -3,9 +3,11 @@
 
 Each output in turn is built on a copy of the material. Walks through the object tell its error, see
 interior.trial. Volume, which is right for all closed shapes and the noisiest, is the last and needs no
-trial."""
+trial. Below a boundary lamps hardly reach it: then the best of those tried is chosen, and the trial says
+that Exact is nearer."""
 
 import threading
+from typing import NamedTuple
 
 import bpy
 
@@ -73,6 +75,14 @@ def start(context, obj, material):
     return lateral_job.take(SoftJob(context, obj, material))
 
 
+class _Tried(NamedTuple):
+    """An output, what was computed for it, and its Trial."""
+
+    output: str
+    found: object
+    trial: trial.Trial
+
+
 class _Choice:
     """The choice for one material on one object, read on the main thread."""
 
@@ -81,9 +91,10 @@ class _Choice:
         self._uids = obj.session_uid, material.session_uid, context.scene.session_uid
         self._quality = material.lamina.quality
         self._millimetre = lateral_job.millimetre(context.scene)
+        self._has_lamps = any(one.type == "LIGHT" and not one.hide_render for one in context.scene.objects)
         self._layers, self._stack = layer_list.mark(material), stack_io.to_stack(material)
         self._compute = {output: lateral_job.computation(output, material) for output in (*TRIED, LAST)}
-        self._outputs, self._tried = TRIED, []
+        self._outputs, self._tried, self._reason = TRIED, [], ""
         try:
             self._note = lateral_body.require(context, context.scene, material, TRIED[0])
         except RefusedError:
@@ -101,13 +112,17 @@ class _Choice:
             found = self._compute[output](self._stack, self._quality, step, cancel)
             try:
                 task = on_main(lambda output=output, found=found: self._task(output, found))
-            except (RefusedError, lamina.StackError, lamina.InteriorError):
+            except (RefusedError, lamina.StackError, lamina.InteriorError) as error:
+                self._reason = str(error)
                 return self._untried(on_main, output, found, cancel)
-            tried = trial.walk(task, step, cancel)
-            self._tried.append(f"{NAMES[output]} {tried.words}")
-            if abs(tried.error) <= MEAN and tried.spread <= SPREAD:
-                return output, found, tried
-        return self._last(cancel)
+            tried = _Tried(output, found, trial.walk(task, step, cancel))
+            self._tried.append(tried)
+            if abs(tried.trial.error) <= MEAN and tried.trial.spread <= SPREAD:
+                return tried
+        last = self._last(cancel)
+        if self._has_lamps and last[1].hides_lamps:
+            return min(self._tried, key=lambda tried: abs(tried.trial.error))
+        return last
 
     def _untried(self, on_main, output, found, cancel):
         """Without walks, the thickness of the body decides. Only one medium can be a volume."""
@@ -126,9 +141,14 @@ class _Choice:
         scene = with_uid(bpy.data.scenes, self._uids[2])
         lateral_job.show(material, scene, output, self._layers, self._note, found, self._millimetre)
         if tried is not None:
-            material.lamina.trial = tried.sentence
+            more = "" if abs(tried.error) <= MEAN and tried.spread <= SPREAD else ". Exact is nearer"
+            material.lamina.trial = f"{tried.sentence}{more}"
         elif self._tried:
-            material.lamina.trial = f"Tried: {', '.join(self._tried)}"
+            words = ", ".join(f"{NAMES[one.output]} {one.trial.words}" for one in self._tried)
+            material.lamina.trial = f"Tried: {words}"
+        elif self._reason:
+            chosen = f"{NAMES[output]}, by the thickness of the object"
+            material.lamina.trial = f"{chosen}. No trial: {self._reason}"
 
     def _task(self, output, found):
         """The trial of an output on a copy of the material. Main thread only."""

@@ -81,7 +81,8 @@ def _draw_interface(column, layer):
 def _draw_described(column, layer):
     cls = DESCRIBED[layer.kind]
     if getattr(cls, "forms", ()):
-        column.row().prop(layer, cls.form_prop, expand=True)
+        narrow = len(cls.forms) > 3  # the names would be cut
+        column.row().prop(layer, cls.form_prop, expand=not narrow)
     for field in panel_fields(cls, layer):
         draw_number(column, layer, field)
     if layer.kind == "flakes":

@@ -24,12 +24,15 @@ def draw_lines(layout, lines):
 
 
 def draw_progress(layout, job, work, tall=True):
-    """A worker's progress bar, and the operator that cancels `work`, an item of that operator."""
+    """A worker's progress bar, and the operator that cancels `work`, an item of that operator. What the
+    worker says after a comma, such as the time left, is too long for the bar and gets a line of its own."""
     row = layout.row(align=True)
     row.scale_y = 1.4 if tall else 1.0
-    text = "Cancelling" if job.cancelling else f"{job.fraction:.0%}  {job.text}"
-    row.progress(factor=job.fraction, text=text)
+    said, _, more = job.text.partition(", ")
+    row.progress(factor=job.fraction, text="Cancelling" if job.cancelling else f"{job.fraction:.0%}  {said}")
     row.operator("lamina.cancel", text="", icon="CANCEL").work = work
+    if more and not job.cancelling:
+        layout.label(text=f"{more[0].upper()}{more[1:]}", icon="TIME")
 
 
 def characters(context):

@@ -2,6 +2,7 @@
 """Draws the trial of the nodes on show on the active object, and what the trial has found."""
 
 from ..interior import trial
+from ..nodes import volume_graph
 from .sentences import draw_progress, draw_sentence
 
 
@@ -13,4 +14,5 @@ def draw(context, layout):
         return
     if material.lamina.trial:
         draw_sentence(context, layout, material.lamina.trial, "CHECKMARK")
-    layout.operator("lamina.trial")
+    if not volume_graph.has_boundary(material):
+        layout.operator("lamina.trial")

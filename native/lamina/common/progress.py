@@ -31,8 +31,10 @@ def silent(_fraction: float, _text: str) -> None:
 
 
 def portion(step: Progress, first: float, last: float) -> Progress:
-    """A step function for one part of the work: its range 0 to 1 is [first, last] of the whole."""
-    return lambda fraction, text: step(first + (last - first) * fraction, text)
+    """A step function for one part of the work: its range 0 to 1 is [first, last] of the whole. Only the last part says
+    "Done"."""
+    return lambda fraction, text: step(first + (last - first) * fraction,
+                                       "" if text == "Done" and last < 1.0 else text)
 
 
 def portions(step: Progress, shares: dict[str, float]) -> dict[str, Progress]:

@@ -61,7 +61,7 @@ def _advance(core: _core.Searchlight, pool: _core.ThreadPool, step: Progress) ->
     done = core.progress
 
     def ask() -> None:
-        step(done, "Lateral frequencies")
+        step(done, "Light that travels sideways")
 
     ask()
     or_solve_error(lambda: interruptible(pool, lambda: core.advance(pool), ask))

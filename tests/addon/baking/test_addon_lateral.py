@@ -3,9 +3,11 @@
 
 from types import SimpleNamespace
 
+import bmesh
 import bpy
 import pytest
 from addon_helpers import detached, icosphere, linked
+from mathutils import Matrix
 
 
 @pytest.fixture
@@ -272,6 +274,21 @@ def test_a_thin_object_is_named(addon, lamina, marble, output, off):
     assert thickness.too_thin(None, marble, depsgraph, millimetre) == ""
     job.make(marble, quality="preview", output="VOLUME")
     assert told() == ""
+
+
+def test_overlapping_parts_are_one_body(addon):
+    """A ball, and a flat lens in it: the lens is no surface, and rays go on below it."""
+    ball = icosphere("Ball", 1.0)
+    both, lens = bmesh.new(), icosphere("Lens", 0.3)
+    both.from_mesh(ball)
+    lens.transform(Matrix.Translation((0.0, 0.0, 0.85)) @ Matrix.Diagonal((1.0, 1.0, 0.02, 1.0)))
+    both.from_mesh(lens)
+    both.to_mesh(ball)
+    both.free()
+    obj = linked("Ball", ball)
+    bpy.context.view_layer.update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    assert addon.baking.body_thickness.thin_part(evaluated) > 1.0
 
 
 @pytest.fixture

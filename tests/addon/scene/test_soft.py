@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tried_bodies import blocks, body
 
-from lamina import Isotropic, Medium, Stack
+from lamina import Interface, Isotropic, Medium, Stack
 
 
 @pytest.fixture
@@ -49,6 +49,15 @@ def test_volume_where_the_others_are_wrong(addon, soft):
     assert "Full Profile" in material.lamina.trial
 
 
+def test_the_best_of_the_others_where_a_boundary_hides_lamps_from_a_volume(addon, soft):
+    obj = body("plate", "behind")
+    material = layered(addon, obj, Interface(1.4), medium(0.1))
+    output, tried = soft.make(bpy.context, obj, material)
+    assert output in ("RELIGHTABLE", "PORTAL") and material.lamina.lateral_shown == output
+    assert abs(tried.error) > soft.MEAN or tried.spread > soft.SPREAD
+    assert material.lamina.trial.endswith("Exact is nearer")
+
+
 def test_without_light_the_thickness_decides(addon, soft):
     obj = body("plate", "sky")
     bpy.context.scene.world = None
@@ -62,6 +71,7 @@ def test_several_layers_are_never_a_volume(addon, soft):
     obj = body("plate", "sky")
     material = layered(addon, obj, medium(0.2, 0.05), medium(0.1))
     assert soft.make(bpy.context, obj, material)[0] == "RELIGHTABLE"
+    assert material.lamina.trial.startswith("Mean Distance, by the thickness of the object. No trial: layers: must be")
 
 
 def test_a_job_leaves_nothing_behind(addon, soft):
