@@ -58,7 +58,7 @@ class LitImages:
     def report(self) -> str:
         """Size and noise, as one sentence."""
         if self.done < 1.0:
-            return preview_report("Light", self.done, self.noise)
+            return preview_report("Light", self.done)
         photons = self.estimate.count.photons
         sent = f"{photons:,} photons of each lamp, " if photons else ""
         return (f"Light: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, {sent}"

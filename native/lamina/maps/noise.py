@@ -88,7 +88,8 @@ def relative_noise(measured: Measured) -> float:
     return float(np.sqrt((measured.stderr**2).mean())) / mean if mean > 0.0 else 0.0
 
 
-def preview_report(name: str, done: float, noise: float) -> str:
-    """What a preview is, as one sentence. `done`: share of the samples."""
+def preview_report(name: str, done: float) -> str:
+    """What a preview is, as one sentence. `done`: share of the samples. Few walks miss rare bright ones and would tell
+    too small a standard error."""
     what = f"{100.0 * done:.0f} % of the samples" if done > 0.0 else "a trial at few points"
-    return f"{name}, preview from {what}: standard error {100.0 * noise:.2g} %."
+    return f"{name}, preview from {what}."

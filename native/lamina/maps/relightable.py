@@ -59,7 +59,7 @@ class RelightableImages:
     def report(self) -> str:
         """Size, noise and the nodes' errors, as two sentences."""
         if self.done < 1.0:
-            return preview_report("Colors and radii", self.done, self.noise)
+            return preview_report("Colors and radii", self.done)
         return (f"Colors and radii: {int(self.mask.sum()):,} points with {self.estimate.count.samples:,} samples each, "
                 f"standard error {100.0 * self.noise:.2g} %. {self.inputs.report}")
 
