@@ -49,7 +49,7 @@ def too_thin(obj, material, depsgraph, millimetre):
 def thin_part(evaluated):
     """The thickness that a twentieth of the surface does not reach, in Blender units; infinite for an open
     mesh or without faces."""
-    mesh, matrix = evaluated.data, np.array(evaluated.matrix_world.to_3x3())
+    mesh, matrix = evaluated.data, evaluated.matrix_world.to_3x3()
     count = len(mesh.polygons)
     if not count:
         return np.inf
@@ -57,17 +57,16 @@ def thin_part(evaluated):
     # Some faces only: a panel that is drawn often asks for this.
     for number in np.unique(np.linspace(0, count - 1, _RAYS).astype(int)):
         polygon = mesh.polygons[int(number)]
-        out, off = polygon.normal, 1e-5 * polygon.area**0.5
         # Parts that overlap, such as eyes in a head, are one body. Its surface is what lies in no other part.
-        if sum(1 if leaves else -1 for _, leaves in _faces(evaluated, polygon.center, out, off)) > 0:
+        if sum(1 if leaves else -1 for _, leaves in _faces(evaluated, polygon, polygon.normal)) > 0:
             continue
         end, parts = None, 1
-        for place, leaves in _faces(evaluated, polygon.center, -out, off):
+        for place, leaves in _faces(evaluated, polygon, -polygon.normal):
             parts += -1 if leaves else 1
             if parts == 0:
                 end = place
                 break
-        lengths.append(np.inf if end is None else np.linalg.norm(matrix @ np.array(end - polygon.center)))
+        lengths.append(np.inf if end is None else (matrix @ (end - polygon.center)).length)
         areas.append(polygon.area)
     if not areas:
         return np.inf
@@ -76,10 +75,12 @@ def thin_part(evaluated):
     return float(np.array(lengths)[order][np.searchsorted(thinner, _THIN * thinner[-1])])
 
 
-def _faces(evaluated, place, way, off):
-    """(place, True if the ray leaves a part there) of the faces that a ray meets."""
+def _faces(evaluated, polygon, way):
+    """(place, True if the ray leaves a part there) of the faces that a ray from the middle of one meets."""
+    place, off = polygon.center, 1e-3 * polygon.area**0.5
     for _ in range(_MOST_FACES):
-        hit, place, normal, _ = evaluated.ray_cast(place + off * way, way)
+        hit, place, normal, index = evaluated.ray_cast(place + off * way, way)
         if not hit:
             return
-        yield place, normal.dot(way) > 0.0
+        if index != polygon.index:  # the middle of a bent face is not on its triangles
+            yield place, normal.dot(way) > 0.0

@@ -291,6 +291,16 @@ def test_overlapping_parts_are_one_body(addon):
     assert addon.baking.body_thickness.thin_part(evaluated) > 1.0
 
 
+@pytest.mark.parametrize("size", [0.01, 1.0])
+def test_bent_faces_are_not_thin(addon, size):
+    """A monkey of quads, each of two triangles at an angle: rays from the middle of a quad pass its own triangles."""
+    bpy.ops.mesh.primitive_monkey_add(size=2.0 * size)
+    obj = bpy.context.object
+    obj.modifiers.new("Smooth", "SUBSURF").levels = 2
+    thin = addon.baking.body_thickness.thin_part(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    assert 0.02 * size < thin < 0.3 * size
+
+
 @pytest.fixture
 def milk_ball(addon, milk):
     """A ball, 10 mm wide, of milk with a mean free path of 1 / 1.1 mm."""
