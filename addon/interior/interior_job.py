@@ -67,11 +67,11 @@ class Task:
 
 class InteriorJob(OfMaterial, Worker):
     """The computation for one material on one object. While it runs, `tick` shows previews. After a cancel or
-    an error the last preview stays. `shows`: whether the material's nodes show images of this job."""
+    an error the last preview stays."""
 
     def __init__(self, task):
         self.task, self.uid = task, task.material
-        self._preview, self.shows, self._report = None, False, None
+        self._preview, self._report = None, None
         super().__init__(
             lambda progress, cancel: compute(task, progress, cancel, self._keep), "lamina interior"
         )
@@ -87,29 +87,31 @@ class InteriorJob(OfMaterial, Worker):
         material = self.material()
         if images is None or material is None or self.cancelling:
             return
-        # The first preview may fill a group that is there. So may the next one, after an undo.
-        shown = self._is_shown(material)
-        with undo.recorded("Lamina Interior", always=not shown):
-            apply(material, self.task, images, again=shown)
-        self.shows, self._report = True, material.lamina.interior.report
+        # A first preview may fill an existing group, which Undo must restore.
+        again = self.shows
+        with undo.recorded("Lamina Interior", always=not again):
+            apply(material, self.task, images, again)
+        self._report = material.lamina.interior.report
 
-    def _is_shown(self, material):
-        """False before the first preview, and after an undo of it."""
-        return self.shows and material.lamina.interior.report == self._report
+    @property
+    def shows(self):
+        """True if the material's nodes show a preview of this job: not before the first preview, nor after an
+        undo of it."""
+        material = self.material()
+        return material is not None and material.lamina.interior.report == self._report
 
     def finish(self):
         """Like OfMaterial.finish. After a cancel with a preview on show, returns the material, whose report
         then tells how far the work had come."""
-        material = self.material()
-        if not (self.cancelling and self.shows) or (material is not None and not self._is_shown(material)):
+        if not (self.cancelling and self.shows):
             return super().finish()
-        if material is not None:
-            material.lamina.interior.report += f" {STOPPED}"
+        material = self.material()
+        material.lamina.interior.report += f" {STOPPED}"
         return material
 
     def apply(self, material):
         """Build the nodes."""
-        apply(material, self.task, self.result, again=self._is_shown(material))
+        apply(material, self.task, self.result, again=self.shows)
 
 
 def make(context, obj, material, progress=None, cancel=None, folder=None):

@@ -76,8 +76,8 @@ def _fibers(graph, inputs, plane, share):
     cells.inputs["Scale"].default_value = cells.inputs["Randomness"].default_value = 1.0
     graph.link(lengths, cells.inputs["Vector"])
     turn, bend, chance = texture_graph.parts(graph, cells.outputs["Color"])
-    present = graph.math("LESS_THAN", "is there", chance, graph.math(
-        "MULTIPLY", "wanted here", wanted, share))
+    here = graph.math("MULTIPLY", "wanted here", wanted, share)
+    present = graph.math("LESS_THAN", "is there", chance, here)
     away = graph.vector("SUBTRACT", "from the middle", lengths, cells.outputs["Position"])
     rotated = graph.node("ShaderNodeVectorRotate", "along the fiber")
     rotated.rotation_type = "Z_AXIS"

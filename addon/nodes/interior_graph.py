@@ -78,8 +78,7 @@ def _view(graph, scale):
     for value, socket in zip((y, z, x), others.inputs, strict=True):
         graph.link(value, socket)
     products = graph.vector("MULTIPLY", "xy, yz, zx", direction, others.outputs["Color"])
-    squares = [graph.math("MULTIPLY", name, value, value)
-               for name, value in (("xx", x), ("yy", y))]
+    squares = [graph.math("MULTIPLY", name, value, value) for name, value in (("xx", x), ("yy", y))]
     return _View(direction, products, *squares)
 
 

@@ -90,7 +90,7 @@ def _direction(graph, normal, cosine, sine, chance, turn):
     second = graph.vector("CROSS_PRODUCT", "second axis", normal, first)
     along = graph.math("MULTIPLY", "along the first", sine, graph.math("COSINE", "", angle))
     aside = graph.math("MULTIPLY", "along the second", sine, graph.math("SINE", "", angle))
-    level = graph.vector("ADD", "level", graph.scale("", first, along), graph.scale("", second, aside), )
+    level = graph.vector("ADD", "level", graph.scale("", first, along), graph.scale("", second, aside))
     return graph.vector("ADD", "direction", level, graph.scale("upwards", normal, cosine))
 
 

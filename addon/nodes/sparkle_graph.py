@@ -150,8 +150,7 @@ class _Facets:
     def tilted(self, direction, slope):
         """(the vector n + s of a facet of this direction and slope, X): sockets."""
         graph = self._graph
-        parts = [graph.vector("DOT_PRODUCT", "part", direction, axis)
-                 for axis in (self._x, self._y)]
+        parts = [graph.vector("DOT_PRODUCT", "part", direction, axis) for axis in (self._x, self._y)]
         square = graph.math("MULTIPLY", "square", parts[1], parts[1])
         square = graph.math("MULTIPLY_ADD", "square", parts[0], parts[0], square)
         length = graph.math("SQRT", "length", square)

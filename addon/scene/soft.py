@@ -3,8 +3,8 @@
 
 Each output in turn is built on a copy of the material. Walks through the object tell its error, see
 interior.trial. Volume, which is right for all closed shapes and the noisiest, is the last and needs no
-trial. Below a boundary lamps hardly reach it: then the best of those tried is chosen, and the trial says
-that Exact is nearer."""
+trial. Through a boundary, lamps reach a volume by chance only: then the best of the tried outputs is chosen,
+and the trial says that Exact is nearer."""
 
 import threading
 from typing import NamedTuple
@@ -117,7 +117,7 @@ class _Choice:
                 return self._untried(on_main, output, found, cancel)
             tried = _Tried(output, found, trial.walk(task, step, cancel))
             self._tried.append(tried)
-            if abs(tried.trial.error) <= MEAN and tried.trial.spread <= SPREAD:
+            if _is_right(tried.trial):
                 return tried
         last = self._last(cancel)
         if self._has_lamps and last[1].hides_lamps:
@@ -141,7 +141,7 @@ class _Choice:
         scene = with_uid(bpy.data.scenes, self._uids[2])
         lateral_job.show(material, scene, output, self._layers, self._note, found, self._millimetre)
         if tried is not None:
-            more = "" if abs(tried.error) <= MEAN and tried.spread <= SPREAD else ". Exact is nearer"
+            more = "" if _is_right(tried) else ". Exact is nearer"
             material.lamina.trial = f"{tried.sentence}{more}"
         elif self._tried:
             words = ", ".join(f"{NAMES[one.output]} {one.trial.words}" for one in self._tried)
@@ -173,3 +173,7 @@ class _Choice:
         if None in found:
             raise native.require().Cancelled("the object or the material has been deleted")
         return found
+
+
+def _is_right(tried):
+    return abs(tried.error) <= MEAN and tried.spread <= SPREAD

@@ -11,12 +11,12 @@
 
 namespace lamina {
 
-constexpr int kParts = 4;  // of a pattern, each as even as the whole
-
 /// Low-discrepancy points of the unit disc: uniform azimuths, and multiples of the golden ratio for the squared radius.
 /// Each point of the surface rotates them by a random angle and shift (Cranley and Patterson 1976). The first quarter
 /// of them, each fourth azimuth, is such a pattern too.
 struct DiscPattern {
+  static constexpr int kParts = 4;  // each as even as the whole
+
   std::vector<float> cosine, sine, square;
 
   explicit DiscPattern(int count) {

@@ -76,7 +76,7 @@ class ArrivalAtPoint {
     const auto shares = [&]() -> std::array<double, 2> { return {front * sums[0].share(), back * sums[1].share()}; };
     std::size_t done = 0;
     if (pattern_.size() >= kManyRays) {
-      done = (pattern_.size() + kParts - 1) / kParts;
+      done = (pattern_.size() + DiscPattern::kParts - 1) / DiscPattern::kParts;
       trace(position, normal, turn, 0, done, sums, rays);
       if (sums[0].agrees() && sums[1].agrees()) {
         const std::array<double, 2> early = shares();

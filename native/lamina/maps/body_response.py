@@ -30,7 +30,7 @@ from ..subsurface.first_flights import FORWARD_COLLISIONS
 from ..subsurface.later_flights import LATER_FLIGHTS
 from ..subsurface.node_inputs import NEGLIGIBLE_LOSS, Closure
 from ..subsurface.node_parameters import LEAST_ALBEDO, LEAST_IOR
-from ..subsurface.response_table import CURVE, Curves, distance_per_path, response_curves
+from ..subsurface.response_table import CURVE, Curves, distance_per_path, place_of, response_curves
 from .map_walk import MapWalk
 from .nearest import BLOCK, nearest
 
@@ -165,7 +165,7 @@ class _Body:
     def _apparent(self, albedo: np.ndarray, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(u of a half-space with this exit albedo, the exit distance without a boundary, if the boundary changes it as
         in a half-space)."""
-        apparent = _u_of(self._node, albedo)
+        apparent = place_of(self._node.full_albedo, albedo)
         bare, node = (np.interp(apparent, CURVE, curves.full_distance) for curves in (self._bare, self._node))
         return apparent, distance * bare / node
 
@@ -174,7 +174,7 @@ class _Body:
         """(u, mean free path in mm, position between the media) of the node's medium, from the apparent u and the mean
         exit distance."""
         # The apparent u is that of the mean albedo: the mean of noisy u would be biased.
-        shown = [_u_of(self._bare, one.albedo) for one in seen]
+        shown = [place_of(self._bare.full_albedo, one.albedo) for one in seen]
         ways = [np.log(np.maximum(one.distance, 1e-12)) for one in seen]
         places = [one.u for one in self._media]
         tilt, by_path = shown[3] - shown[1], ways[3] - ways[1]
@@ -209,11 +209,6 @@ class _Body:
 def _some(count: int, most: int) -> np.ndarray:
     """Indices of at most `most` points, evenly spread."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(int))
-
-
-def _u_of(curves: Curves, albedo: np.ndarray) -> np.ndarray:
-    """The coordinate u of the half-space with this exit albedo, which decreases along CURVE."""
-    return np.interp(-albedo, -curves.full_albedo, CURVE)
 
 
 def _media(u: np.ndarray, paths: np.ndarray, size: float, darkest: float) -> list[Medium]:

@@ -25,10 +25,11 @@ from ..kinds.phases import HenyeyGreenstein
 from ..kinds.spectra import D65
 from ..material.layers import Medium
 from ..material.stack import Stack
+from . import entry_lobes
 from .entry_cosines import mean_entry_cosines
 from .node_parameters import LEAST_IOR
 from .node_response import LARGEST_G
-from .response_table import CURVE, distance_per_path, response_curves
+from .response_table import CURVE, distance_per_path, place_of, response_curves
 
 LEAST = 1e-12  # against division by 0
 THICKNESS = 16.0  # in transport mean free paths
@@ -36,11 +37,11 @@ LOSS = (np.pi / THICKNESS) ** 2 / 3.0  # per reduced scattering coefficient
 
 
 def exit_colours(stack: Stack, albedo: np.ndarray, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(exit albedo, mean exit distance), (3,), of values by wavelength, each (channels,). Colours outside the gamut are
-    moved to gray as those of tables. Values of a stack without wavelengths are returned as they are."""
+    """(exit albedo, mean exit distance), (3,) each, of values by wavelength, (channels,) each. Colours outside of the
+    gamut fade to gray, as in tables. Values of a stack without wavelengths are returned as they are."""
     if stack.wavelengths is None:
         return albedo, distance
-    # Some weights of a channel are negative; a mean of distances needs positive ones.
+    # A channel weighs some wavelengths negatively. The mean of distances leaves them out.
     light = np.maximum(stack.seen(np.eye(stack.channels), 0), 0.0) * albedo
     return np.clip(in_gamut(stack.seen(albedo), -1), 0.0, 1.0), light @ distance / np.maximum(light.sum(axis=1), LEAST)
 
@@ -89,7 +90,7 @@ def _medium_in_colours(medium: Medium | HalfSpace, stack: Stack, ior: float) -> 
     light = (1.0 - returned) * curves.full_albedo / passing
     way = curves.full_distance / np.sqrt(passing)
     albedo, distance = exit_colours(stack, np.interp(u, CURVE, light), distance_per_path(way, curves, near, u) * path)
-    u = np.interp(-albedo, -light, CURVE)
+    u = place_of(light, albedo)
     sigma_t = distance_per_path(way, curves, near, u) / np.maximum(distance, LEAST)
     single = np.interp(u, CURVE, curves.single)
     reduced = single * sigma_t * (1.0 - near)
@@ -109,6 +110,4 @@ def _by_channel(values, stack: Stack) -> np.ndarray:
 
 def _returned(ior: float) -> float:
     """The share of diffuse light from inside that a smooth boundary reflects."""
-    nodes, weights = np.polynomial.legendre.leggauss(64)
-    mu = 0.5 * (nodes + 1.0)
-    return 1.0 - float(weights @ (mu * (1.0 - fresnel(mu, ior)))) / ior**2
+    return 1.0 - float(entry_lobes.mean(1.0 - fresnel(entry_lobes.COSINES, ior))) / ior**2

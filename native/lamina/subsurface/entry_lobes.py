@@ -30,7 +30,7 @@ class EntryLobes(NamedTuple):
 
 
 def mean(entering: np.ndarray) -> np.ndarray:
-    """Mean over Lambertian light of values at COSINES, shape (64, channels)."""
+    """Mean over Lambertian light of values at COSINES, shape (64,) or (64, channels)."""
     return 2.0 * (_WEIGHTS * COSINES) @ entering
 
 

@@ -15,7 +15,7 @@ from ..kinds.limits import MOST_NODE_IOR
 from .entry_cosines import entry_cosines, mean_entry_cosines
 from .node_parameters import LEAST_ALBEDO, LEAST_IOR, colour_of_albedo, radius_of_path
 from .node_response import LARGEST_G
-from .response_table import CURVE, Curves, distance_per_path, response_curves
+from .response_table import CURVE, Curves, distance_per_path, place_of, response_curves
 
 # Relative errors of the tabulated response: exit albedo, mean exit distance. Up to .002 and .0025 for single-scattering
 # albedos below .5 with g above .8.
@@ -161,7 +161,7 @@ def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.nda
     least = _at_albedo(curves, LEAST_ALBEDO)
     floor = np.interp(least, CURVE, curves.albedo)
     dark = albedo < floor
-    place = np.where(dark, least, _place(curves.albedo, albedo))
+    place = np.where(dark, least, place_of(curves.albedo, albedo))
     single = np.where(dark, LEAST_ALBEDO * albedo / floor, np.interp(place, CURVE, curves.single))
     return Walk(single, distance / distance_per_path(curves.distance, curves, g, place))
 
@@ -169,7 +169,7 @@ def _limited_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.nda
 def _full_walk(curves: Curves, g: float, albedo: np.ndarray, distance: np.ndarray) -> Walk:
     """The walk with this exit albedo and distance, without the limit of flights."""
     least = _at_albedo(curves, LEAST_ALBEDO)
-    place = np.minimum(_place(curves.full_albedo, albedo), least)
+    place = np.minimum(place_of(curves.full_albedo, albedo), least)
     bright = albedo >= np.interp(least, CURVE, curves.albedo)
     limited = _limited_walk(curves, g, albedo, distance)
     return Walk(np.where(bright, np.interp(place, CURVE, curves.single), limited.albedo),
@@ -197,11 +197,6 @@ def _exit_light(curves: Curves, g: float, walk: Walk) -> tuple[np.ndarray, np.nd
 
 def _at_albedo(curves: Curves, single) -> np.ndarray:
     return np.interp(-np.asarray(single, float), -curves.single, CURVE)
-
-
-def _place(light: np.ndarray, albedo: np.ndarray) -> np.ndarray:
-    """The position on CURVE with the target exit albedo. `light` is the exit albedo, which decreases along CURVE."""
-    return np.interp(-albedo, -light, CURVE)
 
 
 def checked_version(version) -> tuple[int, int]:

@@ -39,6 +39,11 @@ def response_curves(g: float, cosines: np.ndarray, shares: np.ndarray) -> Curves
                   (fine[..., 2] * fine[..., 3]) @ shares / full_light)
 
 
+def place_of(light: np.ndarray, albedo: np.ndarray) -> np.ndarray:
+    """u at which the exit albedo `light`, which decreases along CURVE, is `albedo`."""
+    return np.interp(-albedo, -light, CURVE)
+
+
 def distance_per_path(distances: np.ndarray, curves: Curves, g: float, u: np.ndarray) -> np.ndarray:
     """Mean exit distance of media at `u`, in mean free paths. `distances`: a curve, in transport mean free paths."""
     return np.interp(u, CURVE, distances) / (1.0 - g * np.interp(u, CURVE, curves.single))
