@@ -2,6 +2,7 @@
 """The extension in a Blender window on a virtual screen, with software OpenGL (inside/stories.py)."""
 
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -15,25 +16,32 @@ SEEDS = range(1, 1 + int(os.environ.get("LAMINA_SEEDS", "1")))
 ACTIONS = int(os.environ.get("LAMINA_ACTIONS", "200"))
 
 SEGMENTATION_FAULT = 139
-# A fault of Blender 4.3.2 itself, see "Beside previews" of docs/limits.md: where Debian's executable searches the list
-# of renders, RE_GetRender.
-RACE = "blender(+0x217620d)"
+# A fault of Blender 4.3.2 itself, see "Beside previews" of docs/limits.md: where Debian's executable goes through the
+# list of renders, RE_FreeUnusedGPUResources.
+RACE = range(0x2176D40, 0x2177130)
 
 
-def is_race(blender, code):
-    """True if Blender has ended by the known fault."""
+def crash_report(blender):
+    """What Blender has written about its crash; an empty string if it wrote nothing."""
     report = blender.folder / "tmp/blender.crash.txt"
-    return code == SEGMENTATION_FAULT and report.exists() and RACE in report.read_text()
+    return report.read_text() if report.exists() else ""
+
+
+def is_race(report):
+    """True if the report of a crash shows the known fault: a call from RACE."""
+    return any(int(place, 16) in RACE for place in re.findall(r"blender\(\+0x([0-9a-f]+)\)", report))
 
 
 def perform(blender, *story, timeout=600):
     """Perform a story of inside/stories.py; returns what Blender printed. Once more after the known fault."""
+    (blender.folder / "tmp/blender.crash.txt").unlink(missing_ok=True)
     how = "--python-exit-code", "1", "--python", f"{INSIDE}/stories.py", "--", *map(str, story)
     finished = blender.run(*how, window=True, timeout=timeout)
-    if is_race(blender, finished.returncode):
+    if finished.returncode == SEGMENTATION_FAULT and is_race(crash_report(blender)):
         finished = blender.run(*how, window=True, timeout=timeout)
     printed = finished.stdout + finished.stderr
-    assert finished.returncode == 0 and "Traceback" not in printed and "Error:" not in finished.stderr, printed[-3000:]
+    wrong = f"{printed[-3000:]}\n{crash_report(blender)[:3000]}"
+    assert finished.returncode == 0 and "Traceback" not in printed and "Error:" not in finished.stderr, wrong
     return printed
 
 
