@@ -56,6 +56,8 @@ def main(argv=None):
     parser.add_argument("--extension", type=Path, help="extension zip (default: the newest in build/extension/)")
     parser.add_argument("--out", type=Path, default=HERE / "out")
     arguments = parser.parse_args(argv)
+    if arguments.turntable < 0:
+        parser.error(f"--turntable {arguments.turntable}: must not be negative")
     start = time.perf_counter()
     all_well = True
 

@@ -21,7 +21,8 @@ def material_of(context):
 
 def refused(operator, error):
     """Report an error in a sentence; returns what `execute` then returns."""
-    operator.report({"ERROR"}, messages.sentence(error))
+    text = messages.sentence(error)
+    operator.report({"ERROR"}, text[0].upper() + text[1:] if text.split(" ", 1)[0].isalpha() else text)
     return {"CANCELLED"}
 
 

@@ -65,8 +65,10 @@ class Done:
 
     def __str__(self):
         count = len(self.objects)
-        text = f"Dust lies on {count} object{'s' * (count != 1)}; {self.bakes} bake{'s' * (self.bakes != 1)}"
-        return "; ".join([text, *self.notes])
+        said = [f"Dust lies on {count} object{'s' * (count != 1)}"]
+        if self.bakes:
+            said.append(f"{self.bakes} bake{'s' * (self.bakes != 1)}")
+        return "; ".join([*said, *self.notes])
 
 
 def dust(context, objects, progress=None, cancel=None, threads=None):

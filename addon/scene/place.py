@@ -150,7 +150,7 @@ def _finish(material, choice, gathered, found):
     if choice.place == SETTLED:
         if layer.kind == "interface":
             object_dust.wire(_object(choice), material, COVERAGE)
-        return str(done)
+        return "; ".join([f"{layer.name} lies on {_object(choice).name}", *done.notes])
     put_layer = _put_film if layer.kind == "interface" else _put_medium
     return put_layer(_object(choice), layer, choice.place, before)
 

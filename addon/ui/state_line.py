@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the material shows now, beside a picture of it: the state of its update and errors, in sentences."""
 
-from ..baking import bake_job, update
+from ..baking import bake_job, lateral_job, update
 from ..base import messages, native
 from ..editing import match_job, stack_io
 from ..nodes import node_group
@@ -33,7 +33,8 @@ def draw(context, layout, material):
     elif state == "fresh" and (warning := numbers.warning(material.lamina.result)):
         draw_sentence(context, layout, warning, "ERROR")
     if node_group.shows_lateral(material):
-        draw_sentence(context, layout, "The output shows light below the surface instead, see Depth")
+        told = lateral_job.stale(material) or "The output shows light below the surface instead"
+        draw_sentence(context, layout, f"{told}, see Depth")
     elif material.lamina.node_group is not None and not node_group.is_connected(material):
         row = layout.row()
         row.label(text="Not connected to the output", icon="UNLINKED")

@@ -44,7 +44,7 @@ class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
         elif layer.varying:
             _draw_source(context, layout, material, place.INPUTS[layer.kind], now)
             if layer.kind == "interface":
-                _draw_pattern(layout, material)
+                _draw_pattern(layout, material, now)
             elif thickness.has_input(material):
                 _draw_detail(layout, material)
             if stamps.is_painting(context):
@@ -108,13 +108,15 @@ def _draw_stamps(context, layout):
         row.operator("lamina.stamp", text=stamp.name, depress=now == key).stamp = key
 
 
-def _draw_pattern(layout, material):
-    """The settings of drops, puddles or prints."""
-    node = film_wiring.node_of(material)
+def _draw_pattern(layout, material, now):
+    """The settings of drops, puddles or prints, with their name where the film has another place as well."""
+    node, pattern = film_wiring.node_of(material), film_wiring.chosen(material)
     if node is None:
         return
+    if now != pattern:
+        layout.label(text=f"In {pattern.capitalize()}")
     column = split(layout.column(align=True))
-    for name, *_rest in PATTERNS[film_wiring.chosen(material)].settings:
+    for name, *_rest in PATTERNS[pattern].settings:
         if not node.inputs[name].is_linked:
             column.prop(node.inputs[name], "default_value", text=name)
 

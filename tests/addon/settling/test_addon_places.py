@@ -181,7 +181,7 @@ def test_dust_that_fails_changes_nothing(addon, lamina, place, plate, material, 
         raise lamina.DustError("the dust of this test fails")
 
     monkeypatch.setattr(addon.settling.object_dust, "settle_gathered", fail)
-    with pytest.raises(RuntimeError, match="the dust of this test fails"):
+    with pytest.raises(RuntimeError, match="The dust of this test fails"):
         choose(plate, call, "SETTLED")
     layer = material.lamina.layers[0]
     assert not layer.varying and layer.tau == pytest.approx(0.3) and material.lamina.node_group is None
@@ -200,7 +200,7 @@ def test_the_job_of_a_window(addon, place, plate, material):
     """The artist may choose another layer and another object while it works."""
     addon.editing.layer_list.add_layer(material, "interface")
     material.lamina.active_index = 1
-    for name, told in (("SETTLED", "Dust lies on 1 object"), ("PAINTED", "Wipe by Hand")):
+    for name, told in (("SETTLED", "Dust lies on Plate"), ("PAINTED", "Wipe by Hand")):
         job = place.start(bpy.context, material, name)
         job.wait()
         material.lamina.active_index, bpy.context.view_layer.objects.active = 0, None
