@@ -28,9 +28,20 @@ def sentence(context, obj, settings):
 
 def moving_lamps(context, obj):
     """Names of the lamps that light the object and move against it."""
-    own = _movers(obj)
-    return [one.name for one in seen.objects(context.view_layer.layer_collection)
-            if one.type == "LIGHT" and _movers(one) != own and lamps.shines(one, obj)]
+    own, shown = _movers(obj), seen.objects(context.view_layer.layer_collection)
+    return [one.name for one, moved in _lamps(shown) if moved != own and lamps.shines(one, obj)]
+
+
+def _lamps(objects, carried=frozenset()):
+    """Pairs of a lamp among `objects`, or in a collection that one of them shows, and what moves it: its own
+    movers, and those of the objects that carry it (`carried`)."""
+    for one in objects:
+        moved = carried | _movers(one)
+        if one.type == "LIGHT":
+            yield one, moved
+        elif one.instance_type == "COLLECTION" and one.instance_collection is not None:
+            inside = one.instance_collection.all_objects
+            yield from _lamps([each for each in inside if not each.hide_render], moved)
 
 
 def deforms(obj):

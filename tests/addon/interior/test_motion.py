@@ -51,6 +51,22 @@ def test_lamps_that_move(motion, ball, sun):
     assert told(motion, ball) == ""
 
 
+def test_lamps_of_an_instanced_collection(motion, ball, sun):
+    ball.active_material.lamina.interior.output = "LIT"
+    rig = bpy.data.collections.new("Rig")
+    rig.objects.link(sun)
+    bpy.context.scene.collection.objects.unlink(sun)
+    stand = parent_of()
+    stand.instance_type, stand.instance_collection = "COLLECTION", rig
+    assert told(motion, ball) == ""
+    moved(stand)
+    assert told(motion, ball) == "Sun moves against Ball in the animation: choose Lamps May Move"
+    ball.parent = stand
+    assert told(motion, ball) == ""
+    sun.hide_render, ball.parent = True, None
+    assert told(motion, ball) == ""
+
+
 def test_a_body_that_moves_with_its_lamp(motion, ball, sun):
     ball.active_material.lamina.interior.output = "LIT"
     table = parent_of(ball)
