@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Binds the walks and the searchlight.
+// Binds the walks, the searchlight and the windows of maps.
 #include <pybind11/pybind11.h>
 
 #include "bindings.hpp"
@@ -10,4 +10,5 @@ void lamina::bind_walk_parts(PyObject* object) {
   bind_scattering(module);
   bind_lateral(module);
   bind_lateral_walks(module);
+  bind_maps(module);
 }

@@ -5,7 +5,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FilmedFlakes', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'SlicesBelowMedium', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
+__all__: list[str] = ['Base', 'ClosureTable', 'Facets', 'Film', 'FilmedFlakes', 'FitViews', 'Fluxes', 'GradedMedium', 'Interface', 'LateralWalk', 'LeavingLight', 'LightDirections', 'MAX_CLOSURES', 'MeasuredStack', 'Medium', 'MovingFitOptions', 'NextEvent', 'OrientedSolution', 'Path', 'PhaseFunction', 'Searchlight', 'Selection', 'SelectionOptions', 'Side', 'SliceTarget', 'SlicesBelowMedium', 'Solution', 'SolveChecks', 'Stack', 'ThreadPool', 'WALK_BLOCK', 'Walk', 'WalkTarget', 'Window', 'adding_walk', 'count_sublayers', 'fit_moving', 'guided_transfer_walk', 'isotropic_walk', 'joined_media', 'lateral_flux', 'moving_albedos', 'moving_values', 'nearest_vertices', 'oriented_albedos', 'oriented_values', 'photon_walk', 'plane_scattering_walk', 'run_lateral_walk', 'run_walk', 'scattering_ode', 'scattering_walk', 'slab_scattering_walk', 'slices', 'solve', 'solve_at', 'solve_mean', 'solve_oriented', 'solve_oriented_at', 'solve_roughly', 'sublayers_of', 'transfer_walk']
 class ThreadPool:
     """
     Threads for the core's calls; 0: one per hardware thread.
@@ -531,6 +531,28 @@ class LateralWalk:
     @property
     def unscattered(self) -> float:
         ...
+class Window:
+    """
+    The weighted neighbours of the points of a map.
+    """
+    def __init__(self, numbers: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], places: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        """
+        numbers [neighbour, point], below 0 where there is none; weights [neighbour, point] and places along two tangents [neighbour, point, 2], or without the axis of points if they are the same for all
+        """
+    def mean(self, values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], pool: ThreadPool) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The weighted mean of values [point, n] over the window of each point.
+        """
+    def regression(self, guides: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], ridge: typing.SupportsFloat | typing.SupportsIndex, pool: ThreadPool) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        (fit [point, n], share [point] of the own value in it), see window_regression
+        """
+    @property
+    def numbers(self) -> numpy.typing.NDArray[numpy.int32]:
+        ...
+    @property
+    def weights(self) -> numpy.typing.NDArray[numpy.float32]:
+        ...
 def adding_walk(stack: Stack, target: WalkTarget, pool: ThreadPool) -> tuple[Walk, float]:
     """
     The walk and the error of its tables.
@@ -561,6 +583,10 @@ def moving_albedos(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float6
     ...
 def moving_values(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], light: LightDirections) -> numpy.typing.NDArray[numpy.float64]:
     ...
+def nearest_vertices(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], along: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], most: typing.SupportsInt | typing.SupportsIndex, pool: ThreadPool) -> numpy.typing.NDArray[numpy.int32]:
+    """
+    The nearest of the neighbours `along` [vertex, m] and of their neighbours: numbers [vertex, most].
+    """
 def oriented_albedos(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def oriented_values(shapes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], mu_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], phi_o: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], light: LightDirections) -> numpy.typing.NDArray[numpy.float64]:

@@ -30,10 +30,11 @@ OFF_SURFACE = 1e-4  # relative to the mesh's size: points farther off the surfac
 
 class Walker:
     """A problem that is ready for walks. `problem` has its points; `solid_size`: diagonal of the mesh's box, mm.
-    `notes`: sentences about repairs of the mesh."""
+    `notes`: sentences about repairs of the mesh; `threads`: 0 for all hardware threads."""
 
     def __init__(self, problem: Problem, threads: int, step: Progress):
-        layer = self._layer = embree.layer()
+        layer, self.threads = embree.layer(), threads
+        self._layer = layer
         step(0.0, "checking the mesh")
         found = closed(problem.solid)
         mesh, opaque, self._given, self.notes = found.mesh, found.opaque, found.given, found.notes()

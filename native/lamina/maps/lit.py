@@ -100,7 +100,7 @@ def _images(walked: MapWalk, margin: int) -> LitImages:
         measured = Measured(*(np.concatenate([getattr(one, part) for one in (measured, excess)], axis=-1)
                               for part in ("value", "stderr")))
     if walked.done:
-        measured = smoothed(places, problem.interior, measured, is_light=True)
+        measured = smoothed(places, problem.interior, measured, is_light=True, threads=walked.walker.threads)
     light = np.maximum(measured.value[..., :3], 0.0)
     lamps, sky = _filled(places, light, margin)
     changes: tuple[np.ndarray | None, np.ndarray | None] = None, None

@@ -69,10 +69,10 @@ class Places:
         for _ in range(margin if not filled.all() else 0):
             total, count = np.zeros(found.shape), np.zeros(len(filled))
             for one, other in ((first, second), (second, first)):
-                known = filled[other]
+                known = filled[other] & ~filled[one]
                 np.add.at(total, one[known], found[other[known]])
                 np.add.at(count, one[known], 1.0)
-            new = (count > 0.0) & ~filled
+            new = count > 0.0
             found[new] = total[new] / count[new].reshape(-1, *(1,) * (found.ndim - 1))
             filled |= new
         return found

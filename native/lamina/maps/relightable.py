@@ -133,8 +133,9 @@ def _inputs(found: ExitEstimate, walked: MapWalk, version: tuple[int, int]) -> S
     # One pass for both, because the regression's matrices are the same
     both = Measured(np.stack([found.albedo.value, found.mean_distance.value], axis=1),
                     np.stack([found.albedo.stderr, found.mean_distance.stderr], axis=1))
-    clean = (smoothed(walked.places, interior, both, is_light=False) if walked.done else both).value
-    albedo, distance = np.moveaxis(clean, 1, 0)
+    if walked.done:
+        both = smoothed(walked.places, interior, both, is_light=False, threads=walked.walker.threads)
+    albedo, distance = np.moveaxis(both.value, 1, 0)
     albedo = np.clip(albedo / entered, 0.0, 1.0)
     distance = np.maximum(np.nan_to_num(distance), 0.0)
     ior = min(max(surface.ior, LEAST_IOR), MOST_NODE_IOR)

@@ -17,19 +17,19 @@ from __future__ import annotations
 import numpy as np
 
 from ..interior.grid import Interior
+from ..solver.core_calls import thread_pool
 from ..walks.searchlight_moments import Measured
 from .places import Places, frames_about
 from .windows import Window, windows
 
 DEPTHS = (0.5, 2.0, 6.0)  # of the guides, in transport mean free paths
-RIDGE = 1e-3  # keeps the regression stable where a guide is constant
 BRIGHT = 2.5  # times the typical light of the neighbours: brighter points may be dimmed
 LEAST_NOISE = 1e-6  # of a channel's variance, relative to the largest
 CERTAIN = 3.0  # standard errors that noise may explain
 SPREAD = 6  # means over wide windows, one after another
 
 
-def smoothed(places: Places, interior: Interior, measured: Measured, is_light: bool) -> Measured:
+def smoothed(places: Places, interior: Interior, measured: Measured, is_light: bool, threads: int = 0) -> Measured:
     """Values of less noise at the points of a map, with approximate standard errors, (points, ...). The last axis has
     three channels, and further numbers with a filter of their own. `measured`: values and standard errors. `is_light`:
     the values are radiance, and all steps are taken. Otherwise steps 1 and 4 are left out: Relightable needs an albedo
@@ -37,15 +37,16 @@ def smoothed(places: Places, interior: Interior, measured: Measured, is_light: b
     shape = measured.value.shape
     values = np.nan_to_num(measured.value.reshape(shape[0], -1, shape[-1]))
     variances = np.nan_to_num(measured.stderr.reshape(values.shape)) ** 2
-    narrow, wide = windows(places)
-    guides = _guides(places, interior)
+    makes = windows(places, thread_pool(threads))
+    narrow, guides = makes.narrow(), _guides(places, interior)
     if is_light:
+        wide = makes.wide()
         values, variances = _without_outliers(narrow, wide, values, variances)
-    fit, leverage = _regression(narrow, guides, values)
+    fit, leverage = narrow.regression(guides, values)
     own = leverage[:, None, None]
     residual = values - fit
-    noise = _mean(narrow, variances)
-    rest = _mean(narrow, residual**2 - (1.0 - own) * variances)
+    noise = narrow.mean(variances)
+    rest = narrow.mean(residual**2 - (1.0 - own) * variances)
     share = np.ones(values.shape)
     # All channels share one factor, so that the filter adds no colour.
     for part in (slice(3), slice(3, None)) if shape[-1] > 3 else (slice(3),):
@@ -63,7 +64,7 @@ def _without_outliers(narrow: Window, wide: Window, values: np.ndarray, variance
     certain = was - CERTAIN * np.sqrt(variances[..., :3])
     bright = np.zeros(was.shape, bool)
     for _ in range(2):  # a very bright point raises what is typical
-        typical = _mean(narrow, np.sqrt(light)) ** 2
+        typical = narrow.mean(np.sqrt(light)) ** 2
         bright |= light > BRIGHT * typical
         light = np.where(bright, np.minimum(light, np.maximum(typical, certain)), light)
     factor = np.ones(values.shape)
@@ -71,7 +72,7 @@ def _without_outliers(narrow: Window, wide: Window, values: np.ndarray, variance
     factor[..., 3:] = factor[..., :3].mean(axis=-1, keepdims=True)
     dimmed, taken = factor * values, was - light
     for _ in range(SPREAD):
-        taken = _mean(wide, taken)
+        taken = wide.mean(taken)
     dimmed[..., :3] += taken
     return dimmed, factor**2 * variances
 
@@ -84,10 +85,10 @@ def _coloured(wide: Window, guides: np.ndarray, raw: tuple[np.ndarray, np.ndarra
     With independent noise of variance N in each channel and a known colour c, the best estimate of the brightness is
     sum(c v / N) / sum(c^2 / N), of variance 1 / sum(c^2 / N)."""
     values, variances = raw
-    fit = np.maximum(_regression(wide, guides, values)[0], 0.0)
+    fit = np.maximum(wide.regression(guides, values)[0], 0.0)
     gray = fit.mean(axis=-1, keepdims=True)
     colour = np.divide(fit, gray, out=np.ones_like(fit), where=gray > 0.0)
-    noise = _mean(wide, variances)
+    noise = wide.mean(variances)
     largest = noise.max(axis=-1, keepdims=True)
     weights = colour / (np.divide(noise, largest, out=np.ones_like(noise), where=largest > 0.0) + LEAST_NOISE)
     precision = (colour * weights).sum(axis=-1, keepdims=True)
@@ -96,7 +97,7 @@ def _coloured(wide: Window, guides: np.ndarray, raw: tuple[np.ndarray, np.ndarra
         return colour * (weights * light).sum(axis=-1, keepdims=True) / precision
 
     noise = np.maximum(noise - colour**2 * largest / precision, 0.0)  # of values - in_colour(values)
-    share = _share(_mean(wide, (values - in_colour(values)) ** 2) - noise, _mean(wide, kept) * noise)
+    share = _share(wide.mean((values - in_colour(values)) ** 2) - noise, wide.mean(kept) * noise)
     plain = in_colour(found)
     return np.where(gray > 0.0, plain + share * (found - plain), found)
 
@@ -106,10 +107,6 @@ def _share(rest: np.ndarray, noise: np.ndarray) -> np.ndarray:
     left = np.maximum(rest.mean(axis=-1, keepdims=True), 0.0)
     total = left + noise.mean(axis=-1, keepdims=True)
     return np.divide(left, total, out=np.ones_like(total), where=total > 0.0)
-
-
-def _mean(window: Window, values: np.ndarray) -> np.ndarray:
-    return window.mean(values.reshape(len(values), -1)).reshape(values.shape)
 
 
 def _guides(places: Places, interior: Interior) -> np.ndarray:
@@ -134,22 +131,3 @@ def _guides(places: Places, interior: Interior) -> np.ndarray:
 
 def _mean_g(interior: Interior) -> float:
     return float(np.mean([one.g for one in interior.palette])) if interior.palette else interior.g
-
-
-def _regression(window: Window, guides: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(the fit at each point, the share of the point's own value in its fit)."""
-    count, terms = len(guides), 3 + guides.shape[1]
-    flat = values.reshape(count, -1)
-    matrix, right = np.zeros((count, terms, terms)), np.zeros((count, terms, flat.shape[1]))
-    row = np.ones((count, terms))
-    for other, weight, place in window.members():
-        row[:, 1:3] = place
-        row[:, 3:] = guides[other] - guides
-        weighted = weight[:, None] * row
-        matrix += weighted[:, :, None] * row[:, None, :]
-        right += weighted[:, :, None] * flat[other][:, None, :]
-    ridge = RIDGE * matrix[:, 0, 0]
-    for term in range(1, terms):
-        matrix[:, term, term] += ridge
-    inverse = np.linalg.inv(matrix)[:, 0]  # the fit at the point is the constant term
-    return np.einsum("nt,ntc->nc", inverse, right).reshape(values.shape), inverse[:, 0]

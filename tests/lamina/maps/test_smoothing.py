@@ -6,7 +6,7 @@ import pytest
 from map_meshes import slab_with_uvs
 
 import lamina
-from lamina import EndMaterial, Interior, Surface
+from lamina import EndMaterial, Interior, Surface, _core
 from lamina.maps.places import Places, places_of
 from lamina.maps.smoothing import smoothed
 from lamina.maps.windows import windows
@@ -154,9 +154,10 @@ def test_neighbours_along_edges():
                         np.tile(at.points.normals, (2, 1))), np.tile(at.mask, 2),
                  np.concatenate([at.triangles, at.triangles + len(at.mask)]))
     half = len(at.points.positions)
-    for window, reach in zip(windows(two), (4, 12), strict=True):
+    made = windows(two, _core.ThreadPool(1))
+    for window, reach in ((made.narrow(), 4), (made.wide(), 12)):
         furthest = 0.0
-        for other, weight, _ in window.members():
+        for other, weight in zip(window.numbers, window.weights, strict=True):
             used = weight > 0.0
             assert np.all((other[used] < half) == (np.flatnonzero(used) < half))
             apart = np.abs(two.points.positions[other] - two.points.positions)[used]
