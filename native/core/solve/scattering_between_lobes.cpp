@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "matter/single_scattering_shape.hpp"
 #include "solve/moments_behind_lobes.hpp"
 
 namespace lamina {
@@ -15,7 +13,6 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using std::numbers::pi;
 
 constexpr Face kFaces[] = {Face::kTop, Face::kBottom};
 
@@ -208,135 +205,7 @@ ScatteringBetweenLobes::ScatteringBetweenLobes(const Assembly& assembly, ThreadP
   }
 }
 
-/// Rays at a medium, of a unit beam along a target: shares of the flux at the top going down and at the bottom going
-/// up, and cosines of the azimuth from that of the target. The first ray is specular.
-struct ScatteringBetweenLobes::Bundle {
-  std::vector<double> mu;
-  std::vector<double> azimuth;
-  std::vector<double> down;
-  std::vector<double> up;
-};
-
 ScatteringBetweenLobes::~ScatteringBetweenLobes() = default;
-
-ScatteringBetweenLobes::Bundle ScatteringBetweenLobes::bundle(std::size_t scatterer, Index target, bool leaving) const {
-  constexpr int kDegree = 4;
-  constexpr double kFaintest = 1e-7;  // share of the beam; many faint rays make up a tail
-  const Solution& solution = assembly_.solution();
-  const std::size_t layer = solution.scatterers()[scatterer].layer;
-  const Directions& here = assembly_.directions()[layer];
-  const std::vector<DeltaField::Arrival>& beams = assembly_.deltas().from_above;
-  const Index at = here.nodes + target;
-  Bundle all{{here.mu[here.live + target]}, {1.0}, {beams[layer].down[at]}, {beams[layer].up[at]}};
-  const std::size_t own = section_of(solution, layer);
-  for (const bool from_above : {true, false}) {
-    if ((from_above && own == 0) || (!from_above && own == solution.boundaries().size())) {
-      continue;
-    }
-    const Solution::Boundary& boundary = solution.boundaries()[from_above ? own - 1 : own];
-    const RoughSurface& surface = *boundary.surface;
-    const Directions& gap = assembly_.directions()[from_above ? boundary.layer + 1 : boundary.layer];
-    const std::vector<FacetRays> lobes = surface.rays_on(solution.direction_set(), kDegree);
-    for (std::size_t entering = 0; entering < lobes.size(); ++entering) {
-      const Directions& outside = assembly_.directions()[boundary.layer + entering];
-      const double mu = outside.mu[outside.live + target];
-      const double share = at_face(beams[boundary.layer], kFaces[entering])[at];
-      if (!(share > 0.0 && mu > 0.0)) {
-        continue;
-      }
-      Rays reflected;
-      Rays transmitted;
-      lobes[entering].scatter(mu, reflected, transmitted);
-      const Rays& rays = (entering == 0) == from_above ? transmitted : reflected;
-      const ArrayXd leaves = Eigen::Map<const ArrayXd>(rays.mu.data(), static_cast<Index>(rays.mu.size()));
-      const auto in_gap = [&](std::size_t k) -> ArrayXd {
-        return leaves.unaryExpr([&](double m) { return refracted_cosine(m, gap.ior, assembly_.directions()[k].ior); });
-      };
-      const DeltaField field = sections_.field(own, in_gap);
-      const auto& arrival = (from_above ? field.from_above : field.from_below)[layer - sections_.first_layer(own)];
-      const ArrayXd arriving = in_gap(layer);
-      for (Index k = 0; k < leaves.size(); ++k) {
-        const auto ray = static_cast<std::size_t>(k);
-        const double whole = share * rays.share[ray] * surface.view_weight(leaving ? mu : leaves[k]);
-        if (whole > kFaintest && arriving[k] > 0.0) {
-          all.mu.push_back(arriving[k]);
-          all.azimuth.push_back(std::clamp(rays.azimuth[ray], -1.0, 1.0));
-          all.down.push_back(whole * arrival.down[k]);
-          all.up.push_back(whole * arrival.up[k]);
-        }
-      }
-    }
-  }
-  return all;
-}
-
-ArrayXd ScatteringBetweenLobes::by_rays(Index o, Index i, const ArrayXd& dphi) const {
-  const Solution& solution = assembly_.solution();
-  ArrayXd sum = ArrayXd::Zero(dphi.size());
-  const ArrayXd forward = dphi.cos();
-  const ArrayXd sideways = dphi.sin();
-  for (std::size_t k = 0; k < solution.scatterers().size(); ++k) {
-    const Solution::Scatterer& scatterer = solution.scatterers()[k];
-    const double weight = 0.25 / pi * scatterer.medium.single_scattering_albedo() / (scatterer.ior * scatterer.ior);
-    if (weight == 0.0) {
-      continue;
-    }
-    const TruncatedMedium& optics = scatterer.medium;
-    const Bundle in = bundle(k, i, false);
-    const Bundle out = bundle(k, o, true);
-    const auto array = [](const std::vector<double>& list) {
-      return Eigen::Map<const ArrayXd>(list.data(), static_cast<Index>(list.size()));
-    };
-    const auto sine = [](const ArrayXd& cosine) -> ArrayXd { return (1.0 - cosine.square()).max(0.0).sqrt(); };
-    const ArrayXd along = array(in.azimuth);
-    const ArrayXd aside = sine(along);
-    for (std::size_t r = 0; r < out.mu.size(); ++r) {
-      const double mu_o = out.mu[r];
-      const double along_o = out.azimuth[r];
-      const double aside_o = std::sqrt(1.0 - along_o * along_o);
-      const auto add = [&](ArrayXd share, double turn) {
-        // Two specular rays are in closed form, see StackSingleScattering.
-        share[0] = r == 0 ? 0.0 : share[0];
-        // Each ray stands for its mirror image in the plane of incidence, too. All pairs of a ray follow one another,
-        // because phase_of computes less for equal cosines.
-        const Index pairs = 4 * dphi.size();
-        ArrayXd mu(pairs * (share != 0.0).count());
-        ArrayXd azimuths(mu.size());
-        std::vector<double> weights;  // of the rays with a share
-        Index pair = 0;
-        for (Index s = 0; s < share.size(); ++s) {
-          if (share[s] == 0.0) {
-            continue;
-          }
-          const double mu_i = in.mu[static_cast<std::size_t>(s)];
-          const double once = (turn < 0.0 ? single_reflection : single_transmission)(optics.optical(mu_o),
-                                                                                     optics.optical(mu_i), optics.tau);
-          weights.push_back(0.25 * weight * (share[s] * once));
-          for (const double side_o : {aside_o, -aside_o}) {
-            for (const double side : {aside[s], -aside[s]}) {
-              const double cosine = along_o * along[s] - side_o * side;
-              const double other = side_o * along[s] + along_o * side;
-              for (Index p = 0; p < dphi.size(); ++p, ++pair) {
-                mu[pair] = mu_i;
-                azimuths[pair] = forward[p] * cosine - sideways[p] * other;
-              }
-            }
-          }
-        }
-        const ArrayXd phase = scatterer.phase_of(mu_o, mu, turn, azimuths);
-        pair = 0;
-        for (const double of_ray : weights) {
-          for (Index image = 0; image < 4; ++image, pair += dphi.size()) {
-            sum += of_ray * phase.segment(pair, dphi.size());
-          }
-        }
-      };
-      add(out.down[r] * array(in.down) + out.up[r] * array(in.up), -1.0);
-      add(out.down[r] * array(in.up) + out.up[r] * array(in.down), 1.0);
-    }
-  }
-  return sum;
-}
 
 std::vector<MatrixXd> ScatteringBetweenLobes::held() const {
   const Level& level = fine_ ? *fine_ : *coarse_;

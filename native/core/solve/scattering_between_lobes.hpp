@@ -32,14 +32,9 @@ class ScatteringBetweenLobes {
 
   /// What each azimuth order holds of this light, for light from above that leaves above: pi f between all targets.
   std::vector<Eigen::MatrixXd> held() const;
-  /// The same light in 1/sr between two targets, as a sum over pairs of rays of the lobes, with the phase function
-  /// itself: without nodes, moments and azimuth orders. A check of held().
-  Eigen::ArrayXd by_rays(Eigen::Index o, Eigen::Index i, const Eigen::ArrayXd& dphi) const;
 
  private:
   struct Level;
-  struct Bundle;
-  Bundle bundle(std::size_t scatterer, Eigen::Index target, bool leaving) const;
 
   const Assembly& assembly_;
   MirrorSections sections_;
