@@ -98,10 +98,11 @@ def show(material, scene, output, layers, note, found, length):
     millimetre."""
 
     def draw(graph, socket, _more):
+        unit = graph.value(socket)
         if output == "PORTAL":
-            return portal_graph.draw(graph, found, socket, f"Lamina Portal {material.name}")
+            return portal_graph.draw(graph, found, unit, f"Lamina Portal {material.name}")
         draw_other = volume_graph.draw if output == "VOLUME" else relightable_graph.draw
-        return draw_other(graph, found, socket)
+        return draw_other(graph, found, unit)
 
     lateral_group.build(material, output.capitalize(), draw, length)
     body_thickness.note(material.lamina.lateral_group, output, found)

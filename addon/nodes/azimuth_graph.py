@@ -9,6 +9,7 @@ tangent does not matter, and azimuths are those in half a turn.
 
 import math
 
+from .expression import arctangent, cross, dot, floored_modulo, length, normalized
 from .graph import NEVER_ZERO
 from .group_sockets import TANGENT
 
@@ -21,25 +22,17 @@ def rows(lut):
 
 
 def draw(graph, lut, inputs, normal, incoming):
-    """(the unit tangent of the table's first row, the azimuth of the view from it in [0, pi)): sockets."""
-    given = inputs.outputs[TANGENT]
+    """(the unit tangent of the table's first row, the azimuth of the view from it in [0, pi))."""
+    given = inputs[TANGENT]
     own = graph.node("ShaderNodeTangent", "along u of the UV map")
     own.direction_type = "UV_MAP"
-    length = graph.vector("LENGTH", "length", given)
-    is_given = graph.math("GREATER_THAN", "is given", length, 1e-3)
-    chosen = graph.mix("VECTOR", "tangent", is_given, own.outputs[0], given)
-    chosen = graph.vector("ADD", "never zero", chosen, NEVER_ZERO)
-    across = graph.vector("CROSS_PRODUCT", "across", normal, chosen)
-    across = graph.vector("NORMALIZE", "B", across)
-    along = graph.vector("CROSS_PRODUCT", "T", across, normal)
+    is_given = (length(given) > 1e-3).named("is given")
+    chosen = graph.mix("VECTOR", "tangent", is_given, own.outputs[0], given) + NEVER_ZERO
+    across = normalized(cross(normal, chosen)).named("B")
+    along = cross(across, normal).named("T")
     turn = lut.header["axes"]["azimuth"]["tangent"]
     if turn > LEAST:
         cosine, sine = math.cos(turn), math.sin(turn)
-        along, across = (
-            graph.vector("ADD", name, graph.scale("cos", one, cosine), graph.scale("sin", other, factor))
-            for name, one, other, factor in (
-                ("T turned", along, across, sine), ("B turned", across, along, -sine)))
-    x = graph.vector("DOT_PRODUCT", "I along T", incoming, along)
-    y = graph.vector("DOT_PRODUCT", "I along B", incoming, across)
-    azimuth = graph.math("ARCTAN2", "azimuth", y, x)
-    return along, graph.math("FLOORED_MODULO", "in half a turn", azimuth, math.pi)
+        along, across = along * cosine + across * sine, across * cosine - along * sine
+    azimuth = arctangent(dot(incoming, across), dot(incoming, along))
+    return along, floored_modulo(azimuth, math.pi).named("in half a turn")

@@ -12,17 +12,17 @@ def over(graph, ior, alpha, shader):
 
 def beside(graph, share, alpha, shader):
     """The shader plus the light that such a boundary mirrors, for a shader that is already weakened by the
-    boundary. `share`: the socket of `reflectance`."""
+    boundary. `share`: that of `reflectance`."""
     mirrored = mix_shader.weighted(graph, "mirrored light", share, _mirror(graph, alpha))
     return mix_shader.added(graph, "with mirrored light", shader, mirrored)
 
 
 def reflectance(graph, ior):
-    """The socket of the share of light that a boundary of this index mirrors towards the eye, by Fresnel's
+    """The share of light that a boundary of this index mirrors towards the eye, by Fresnel's
     equations."""
     fresnel = graph.node("ShaderNodeFresnel", "boundary")
     fresnel.inputs["IOR"].default_value = ior
-    return fresnel.outputs[0]
+    return graph.value(fresnel.outputs[0])
 
 
 def _mirror(graph, alpha):

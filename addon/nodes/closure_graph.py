@@ -52,7 +52,7 @@ def draw(graph, table, image, recipe_of):
 def _directions(graph, view, recipes):
     """The Directions that the recipes use."""
     graph.begin_frame("Directions of the closures", table_view.NORMAL_COLOUR)
-    directions = Directions(graph, view.incoming, view.normal, view.cosine, view.angle, view.tangent)
+    directions = Directions(view.incoming, view.normal, view.cosine, view.angle, view.tangent)
     for recipe in recipes:
         for wanted in (recipe.normal, *recipe.vectors.values()):
             directions.of(wanted)
@@ -72,19 +72,17 @@ class _Drawing:
         self._covered = is_covered(strips)
 
     def factors(self):
-        """{(role, metal): socket} by which strips of a base below are multiplied."""
+        """{(role, metal): value} by which strips of a base below are multiplied."""
         graph, inputs, factors = self._graph, self._view.inputs, {}
         if self._covered:
             graph.begin_frame("Factors of the base below: metallic, and color, again and again", BASE_COLOUR)
-            return covered_graph.Factors(graph, self._lut, inputs, self._reader.read).by_role
+            return covered_graph.Factors(self._lut, inputs, self._reader.read).by_role
         if Strip(role=BASE_WEIGHT) in self._strips:
             return factors
         for thrown_back in (strip for strip in self._strips if strip.role == THROWN_BACK):
             graph.begin_frame("Base color c, thrown back again and again: c / (1 - c r)", BASE_COLOUR)
-            colour = inputs.outputs["Base Color"]
-            back = self._reader.of_both(thrown_back, "r")
-            gain = _again_and_again(graph, "c / (1 - c r)", colour, colour, back)
-            factors[BASE, thrown_back.metal] = gain
+            c, r = inputs["Base Color"], self._reader.of_both(thrown_back, "r")
+            factors[BASE, thrown_back.metal] = (c / (1.0 - c * r)).named("c / (1 - c r)")
         return factors
 
     def totals(self, sums, factors, directions):
@@ -95,12 +93,12 @@ class _Drawing:
         if sparkle_graph.is_offered(self._lut):
             sparkle = sparkle_graph.Sparkle(graph, self._view.inputs, directions)
         graph.begin_frame("Closures, each weighted by its own strip of the table", CLOSURE_COLOUR)
-        widths = covered_graph.Widths(graph, self._view.inputs)
+        widths = covered_graph.Widths(self._view.inputs)
         shapes = Shapes(graph, read, directions)
         totals = {}
         for same, recipe in sums:
             closure = same[0].closure
-            weight = _weighted(graph, same, read, factors)
+            weight = _weighted(same, read, factors)
             if recipe.weight_input == "Coat Tint":
                 weight = eevee_graph.dark(graph, chooser, weight)
             elif self._covered:
@@ -135,7 +133,7 @@ class _Drawing:
         if principled in self._strips:
             graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
             if True in totals:
-                both = inputs.outputs["Metallic"], total, totals[True]
+                both = inputs["Metallic"], total, totals[True]
                 total = mix_shader.between(graph, "dielectric or metal", *both)
             held = reader.alpha(lut_image.holder_of_principled(self._lut), "w")
             weight = reader.of_both(principled, "w", held)
@@ -143,11 +141,9 @@ class _Drawing:
         if shader_weight in self._strips:
             graph.begin_frame(
                 "Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
-            thrown_back = reader.of_both(Strip(role=THROWN_BACK), "r")
-            weight = reader.of_both(shader_weight, "w")
-            colour = inputs.outputs[shader_base_graph.REFLECTANCE]
-            weight = _again_and_again(graph, "w / (1 - c r)", weight, colour, thrown_back)
-            total = shader_base_graph.over(graph, inputs, weight, total)
+            r, w = reader.of_both(Strip(role=THROWN_BACK), "r"), reader.of_both(shader_weight, "w")
+            weight = w / (1.0 - inputs[shader_base_graph.REFLECTANCE] * r)
+            total = shader_base_graph.over(graph, inputs, weight.named("w / (1 - c r)"), total)
         return total
 
 
@@ -160,27 +156,15 @@ def _by_closure(strips, metals_apart):
     return list(found.values())
 
 
-def _weighted(graph, strips, read, factors):
-    """The sum of the strips, each times its factor in `factors`, by role and metal: a socket, or None for 1.
+def _weighted(strips, read, factors):
+    """The sum of the strips, each times its factor in `factors`, by role and metal, or None for 1.
 
-    `read(strip, label)` reads a strip and returns a socket."""
-    total = None
+    `read(strip, label)` reads a strip."""
+    total = 0.0
     for strip in strips:
         weight, factor = read(strip, f"weight {strip.name}"), factors.get((strip.role, strip.metal))
-        if factor is None:
-            total = weight if total is None else graph.vector("ADD", "sum", weight, total)
-        elif total is None:
-            total = graph.vector("MULTIPLY", "part", weight, factor)
-        else:
-            total = graph.vector("MULTIPLY_ADD", "sum", weight, factor, total)
+        total = (weight if factor is None else weight * factor) + total
     return total
-
-
-def _again_and_again(graph, label, weight, colour, thrown_back):
-    """w / (1 - c r), the sum of w (c r)^n: a base of color c reflects what the layers throw back, r."""
-    again = graph.vector("MULTIPLY", "c r", colour, thrown_back)
-    rest = graph.vector("SUBTRACT", "1 - c r", (1.0, 1.0, 1.0), again)
-    return graph.vector("DIVIDE", label, weight, rest)
 
 
 def _closure(graph, name, recipe, weight, directions, widths, shapes):

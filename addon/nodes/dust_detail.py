@@ -10,6 +10,7 @@ file renders without the add-on. All detail lies over rest_coordinates. The stre
 """
 
 from . import detail_group, dust_litter, dust_strength, rest_coordinates, texture_graph
+from .expression import clamped, dot, maximum, minimum
 from .graph import Graph
 from .side_graph import BACK, FRONT
 
@@ -62,47 +63,34 @@ def _add_sockets(tree):
 def _draw(tree):
     _add_sockets(tree)
     graph = Graph(tree)
-    inputs, outputs = graph.node("NodeGroupInput"), graph.node("NodeGroupOutput")
+    inputs, outputs = graph.values(graph.node("NodeGroupInput")), graph.node("NodeGroupOutput")
     place = rest_coordinates.draw(graph)
-    turned = _turned(graph, place)
+    # The noise has edges along its axes, seen on faces across them.
+    turned = graph.combined("turned", *(dot(place, axis) for axis in _AXES))
     clouds = _varied(graph, inputs, place, "Clouds", "Cloud Size")
     grain = _varied(graph, inputs, turned, "Grain", "Grain Size")
-    left = graph.math("SUBTRACT", "not wiped", 1.0, inputs.outputs["Wiped"], clamp=True)
-    both = graph.math("MULTIPLY", "clouds and grain", clouds, grain)
-    most = graph.math("MAXIMUM", "amount", *(inputs.outputs[name] for name in (FRONT, BACK)))
-    litter = dust_litter.draw(graph, inputs, (place, turned), most)
+    litter = dust_litter.draw(graph, inputs, (place, turned), maximum(inputs[FRONT], inputs[BACK]))
     strength = graph.node("ShaderNodeGroup", "Strength")
     strength.node_tree = dust_strength.group()
-    shown = graph.math("MULTIPLY", "shown", left, strength.outputs[0])
-    for name in (FRONT, BACK):
-        # A negative thickness of the back stands for that of the front, and must stay negative.
-        given, none = inputs.outputs[name], 0.0
-        if name == BACK:
-            given, none = (graph.math(how, text, inputs.outputs[BACK], 0.0)
-                           for how, text in (("MAXIMUM", "own"), ("MINIMUM", "as the front")))
-        lies = graph.math("MULTIPLY", "litter lies here", given, 1.0 / dust_litter.LEAST, clamp=True)
-        varied = graph.math("MULTIPLY", "varied", given, both)
-        sum = graph.math("MULTIPLY_ADD", "with litter", lies, litter, varied)
-        if name == FRONT:
-            smooth = graph.math("MULTIPLY", "smooth", given, clouds)
-            graph.link(graph.math("MULTIPLY", HEIGHT, smooth, shown), outputs.inputs[HEIGHT])
-        graph.link(graph.math("MULTIPLY_ADD", name, sum, shown, none), outputs.inputs[name])
+    shown = (clamped(1.0 - inputs["Wiped"]) * graph.value(strength.outputs[0])).named("shown")
+    varied = (clouds * grain).named("clouds and grain")
+
+    def on_side(given):
+        lies = clamped(given * (1.0 / dust_litter.LEAST)).named("litter lies here")
+        return (lies * litter + given * varied) * shown
+
+    # A negative thickness of the back stands for that of the front, and must stay negative.
+    back = on_side(maximum(inputs[BACK], 0.0)) + minimum(inputs[BACK], 0.0)
+    smooth = inputs[FRONT] * clouds * shown
+    for name, value in ((HEIGHT, smooth), (FRONT, on_side(inputs[FRONT])), (BACK, back)):
+        graph.link(value.named(name), outputs.inputs[name])
     graph.arrange()
 
 
-def _turned(graph, place):
-    """The socket of `place` in turned axes. The noise has edges along its axes, seen on faces across them."""
-    node = graph.node("ShaderNodeCombineXYZ", "turned")
-    for number, axis in enumerate(_AXES):
-        graph.link(graph.vector("DOT_PRODUCT", "axis", place, axis), node.inputs[number])
-    return node.outputs[0]
-
-
 def _varied(graph, inputs, place, strength, size):
-    """The socket of 1 + strength x noise."""
-    scale = graph.math("DIVIDE", "per unit", 1.0, inputs.outputs[size])
+    """1 + strength x noise."""
     octaves, finer, weaker, cut = _NOISES[strength]
-    noise = texture_graph.noise(graph, strength, place, scale, octaves)
+    noise = texture_graph.noise(graph, strength, place, 1.0 / inputs[size], octaves)
     noise.inputs["Lacunarity"].default_value, noise.inputs["Roughness"].default_value = finer, weaker
     varied = texture_graph.ramp(graph, "in [-1, 1]", noise.outputs[0], 0.5 - cut, 0.5 + cut)
-    return graph.math("MULTIPLY_ADD", "1 + strength noise", varied, inputs.outputs[strength], 1.0)
+    return (varied * inputs[strength] + 1.0).named("1 + strength noise")

@@ -8,6 +8,7 @@ materials read. They are nodes of Blender's own, so the file plays and renders w
 import bpy
 
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
+from .expression import ceil, floor, maximum, minimum
 from .graph import Graph
 
 KEY, BACK_KEY = "lamina_dust_key_", "lamina_dust_back_key_"
@@ -46,20 +47,16 @@ def _draw(tree, frames, domain, two_sided):
         tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
     graph = Graph(tree)
     geometry = graph.node("NodeGroupInput").outputs[0]
-    now = graph.node("GeometryNodeInputSceneTime").outputs["Frame"]
+    now = graph.values(graph.node("GeometryNodeInputSceneTime"))["Frame"]
     # The place in time among the settlings: 0 at the first, and at most the last
-    passed = graph.math("SUBTRACT", "since the first", now, float(frames[0]))
-    place = graph.math("DIVIDE", "place", passed, float(frames.step))
-    place = graph.math("MAXIMUM", "from the first", place, 0.0)
-    place = graph.math("MINIMUM", "to the last", place, float(len(frames) - 1))
-    before = graph.math("FLOOR", "before", place)
-    after = graph.math("CEIL", "after", place)
-    share = graph.math("SUBTRACT", "share", place, before)
+    place = maximum((now - float(frames[0])) / float(frames.step), 0.0)
+    place = minimum(place, float(len(frames) - 1)).named("place")
+    before, after = floor(place).named("before"), ceil(place).named("after")
+    share = (place - before).named("share")
     pairs = ((ATTRIBUTE, KEY), (BACK_ATTRIBUTE, BACK_KEY)) if two_sided else ((ATTRIBUTE, KEY),)
     for name, key in pairs:
         early, late = (_key(graph, key, number) for number in (before, after))
-        change = graph.math("SUBTRACT", "change", late, early)
-        blended = graph.math("MULTIPLY_ADD", "blended", change, share, early)
+        blended = ((late - early) * share + early).named("blended")
         node = graph.node("GeometryNodeStoreNamedAttribute", name)
         node.data_type, node.domain = "FLOAT", domain
         node.inputs["Name"].default_value = name
@@ -71,7 +68,7 @@ def _draw(tree, frames, domain, two_sided):
 
 
 def _key(graph, key, number):
-    """The attribute of a settling, given by the socket of its number."""
+    """The attribute of a settling, given by its number."""
     text = graph.node("FunctionNodeValueToString")
     graph.link(number, next(one for one in text.inputs if one.name == "Value" and one.enabled))
     name = graph.node("FunctionNodeReplaceString")
@@ -80,4 +77,4 @@ def _key(graph, key, number):
     node = graph.node("GeometryNodeInputNamedAttribute")
     node.data_type = "FLOAT"
     graph.link(name.outputs[0], node.inputs["Name"])
-    return next(one for one in node.outputs if one.name == "Attribute" and one.enabled)
+    return graph.value(next(one for one in node.outputs if one.name == "Attribute" and one.enabled))

@@ -4,6 +4,7 @@ dust_detail read. The file renders without the add-on, and the number can have k
 
 import bpy
 
+from .expression import maximum
 from .graph import Graph
 
 NAME = "Lamina Dust Strength"
@@ -20,8 +21,8 @@ def group():
         graph = Graph(found)
         value = graph.node("ShaderNodeValue", _VALUE, folded=False)
         value.name, value.outputs[0].default_value = _VALUE, 1.0
-        positive = graph.math("MAXIMUM", "not negative", value.outputs[0], 0.0)
-        graph.link(positive, graph.node("NodeGroupOutput").inputs[_VALUE])
+        positive = maximum(graph.value(value.outputs[0]), 0.0)
+        graph.link(positive.named("not negative"), graph.node("NodeGroupOutput").inputs[_VALUE])
         graph.arrange()
         found[MARK] = 1
     return found

@@ -9,6 +9,7 @@ out Eevee's closures before rendering.
 
 from ..kinds.table import BASE
 from . import lut_image, mix_shader
+from .expression import clamped
 
 LABEL = "Eevee"
 _STRAIGHT_ON = ("through", "straight")
@@ -48,7 +49,7 @@ def totals(graph, lut, eevee, texels, factors, normal, incoming):
         weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), f"{LABEL} {strip.name}",
                                          alpha=strip.closure in _WITH_ROUGHNESS)
         if strip.role == BASE:
-            weight = graph.vector("MULTIPLY", "of the base", weight, factors[BASE, strip.metal])
+            weight = weight * factors[BASE, strip.metal]
         shader = _closure(graph, strip.closure, weight, roughness, normal, incoming)
         if strip.metal in found:
             shader = mix_shader.added(graph, "", found[strip.metal], shader)
@@ -66,7 +67,7 @@ def chosen(graph, chooser, cycles, eevee):
 def chosen_value(graph, chooser, cycles, eevee, kind="RGBA"):
     """The same of two colors, or of two numbers with the `kind` "FLOAT"."""
     value = graph.mix(kind, "Cycles or Eevee", chooser, cycles, eevee)
-    value.node.inputs[0].default_value = 0.0
+    value.socket.node.inputs[0].default_value = 0.0
     return value
 
 
@@ -74,15 +75,14 @@ def scaled(graph, chooser, color, factor):
     """`color` in Cycles, `color` times `factor` in Eevee."""
     if factor == 1.0:
         return color
-    less = graph.vector("MULTIPLY", "in Eevee", color, (factor,) * 3)
-    return chosen_value(graph, chooser, color, less)
+    return chosen_value(graph, chooser, color, color * factor)
 
 
 def dark(graph, chooser, color):
     """`color` in Cycles, black in Eevee. Eevee raises the tint of a coat to the power 1 / (view cosine). This
     overflows near grazing, and then even a shader without weight is not a number."""
     value = graph.mix("RGBA", "Cycles only", chooser, color, (0.0, 0.0, 0.0, 1.0))
-    value.node.inputs[0].default_value = 0.0
+    value.socket.node.inputs[0].default_value = 0.0
     return value
 
 
@@ -96,8 +96,7 @@ def _closure(graph, kind, weight, roughness, normal, incoming):
         # About the view direction, a refraction goes straight on.
         graph.link(incoming, node.inputs["Normal"])
         node.inputs["IOR"].default_value = _IOR
-        graph.set(node.inputs["Roughness"],
-                  graph.math("DIVIDE", "as refracted", roughness[0], _NARROWING, clamp=True))
+        graph.link(clamped(roughness[0] / _NARROWING), node.inputs["Roughness"])
     elif "Normal" in node.inputs:
         graph.link(normal, node.inputs["Normal"])
     if type_name == "ShaderNodeBsdfAnisotropic":

@@ -7,6 +7,8 @@ reads a smaller picture, in which several strips are mixed. Only the interpolati
 
 import math
 
+from .expression import floor, minimum
+
 
 class Texels:
     """Reads strips of an image.
@@ -19,12 +21,10 @@ class Texels:
         self.graph, self.image, self.height, self.rows, self.share = graph, image, height, rows, around.share
         self.first = first
         last = columns - 1
-        place = graph.math("MULTIPLY", "column", angle, last / (math.pi / 2))
-        most = graph.math("MINIMUM", "at most the last", place, float(last))
-        whole = graph.math("FLOOR", "whole", most)
-        left = graph.math("MINIMUM", "column to the left", whole, float(last - 1))
-        self.across = graph.math("SUBTRACT", "share of the right", most, left)
-        u = graph.math("MULTIPLY_ADD", "u", left, 1.0 / columns, 0.5 / columns)
+        place = minimum(angle * (last / (math.pi / 2)), float(last))
+        left = minimum(floor(place), float(last - 1)).named("column to the left")
+        self.across = (place - left).named("share of the right")
+        u = left * (1.0 / columns) + 0.5 / columns
         self.step = 1.0 / columns
         self.corners = [self._corner(u, v) for v in around.places]
 
@@ -36,16 +36,13 @@ class Texels:
 
     def _corner(self, u, v):
         """(place of the texel below and to the left, share of the row above)."""
-        graph, up = self.graph, None
+        up = None
         if self.rows > 1:  # v may lie between two of them
-            row = graph.math("MULTIPLY", "row", v, float(self.height))
-            whole = graph.math("FLOOR", "whole", row)
-            up = graph.math("SUBTRACT", "share of the row above", row, whole)
-            v = graph.math("MULTIPLY", "v", whole, 1.0 / self.height)
-        corner = graph.node("ShaderNodeCombineXYZ", "u, v")
-        graph.link(u, corner.inputs[0])
-        graph.link(v, corner.inputs[1])
-        return corner.outputs[0], up
+            row = v * float(self.height)
+            whole = floor(row)
+            up = (row - whole).named("share of the row above")
+            v = whole * (1.0 / self.height)
+        return self.graph.combined("u, v", u, v), up
 
     def _at_thickness(self, corner, up, index, label, names):
         first = self.first + index * self.rows
@@ -60,12 +57,11 @@ class Texels:
         return self._mixed(self.across, *pair)
 
     def _texel(self, corner, x, y, label, names):
-        graph = self.graph
-        texture = graph.node("ShaderNodeTexImage", label)
+        texture = self.graph.node("ShaderNodeTexImage", label)
         texture.image, texture.interpolation, texture.extension = self.image, "Closest", "EXTEND"
-        graph.link(graph.vector("ADD", "texel", corner, (x, y, 0.0)), texture.inputs[0])
-        return [texture.outputs[name] for name in names]
+        self.graph.link(corner + (x, y, 0.0), texture.inputs[0])
+        return [self.graph.value(texture.outputs[name]) for name in names]
 
     def _mixed(self, share, first, second):
-        return [self.graph.mix("RGBA", "between", share, one, other)
+        return [self.graph.mix("RGBA" if one.is_vector else "FLOAT", "between", share, one, other)
                 for one, other in zip(first, second, strict=True)]

@@ -11,6 +11,7 @@ from math import cos, e, pi, radians
 from typing import NamedTuple
 
 from . import detail_group, rest_coordinates, table_view, texture_graph
+from .expression import clamped, cosine, cross, dot, logarithm, maximum, minimum, normalized, sine, sqrt
 from .graph import Graph
 from .group_sockets import COVERAGE
 
@@ -29,9 +30,8 @@ _RIDGES = 32.0  # in the length of a fingerprint
 class Pattern(NamedTuple):
     """A kind of pattern.
 
-    settings: of detail_group.add_settings. draw(graph, inputs, place, normal, share): draws the nodes, and
-    returns the sockets of the coverage and of the normal; the second is None if the film follows the
-    surface."""
+    settings: of detail_group.add_settings. draw(graph, inputs, place, normal, share): the coverage and the
+    normal; the second is None if the film follows the surface."""
 
     mark: str
     version: int
@@ -52,12 +52,11 @@ class Pattern(NamedTuple):
         _add_sockets(tree)
         detail_group.add_settings(tree, self.settings)
         graph = Graph(tree)
-        inputs, outputs = graph.node("NodeGroupInput"), graph.node("NodeGroupOutput")
-        geometry = graph.node("ShaderNodeNewGeometry")
-        normal = table_view.normal_of(graph, inputs.outputs[NORMAL], geometry.outputs["Normal"])
+        inputs, outputs = graph.values(graph.node("NodeGroupInput")), graph.node("NodeGroupOutput")
+        geometry = graph.values(graph.node("ShaderNodeNewGeometry"))
+        normal = table_view.normal_of(graph, inputs[NORMAL], geometry["Normal"])
         place = rest_coordinates.draw(graph)
-        given = graph.math("ADD", "coverage", inputs.outputs[COVERAGE], 0.0, clamp=True)
-        share = graph.math("MULTIPLY", "share", given, inputs.outputs["Amount"], clamp=True)
+        share = clamped(clamped(inputs[COVERAGE]) * inputs["Amount"]).named("share")
         coverage, tilted = self.draw(graph, inputs, place, normal, share)
         graph.link(coverage, outputs.inputs[COVERAGE])
         graph.link(normal if tilted is None else tilted, outputs.inputs[NORMAL])
@@ -74,86 +73,57 @@ def _add_sockets(tree):
 
 def _drops(graph, inputs, place, normal, share):
     """Caps over balls about random points: a Boolean model. Large and small drops have equal shares."""
-    size = inputs.outputs["Drop Size"]
-    bare = graph.math("SUBTRACT", "1 - share", 1.0, graph.math("MINIMUM", "", share, 0.999))
     # Balls of the radius r about n points in a unit of volume leave the share exp(-4 pi r^3 n / 3).
-    log = graph.math("LOGARITHM", "log", bare, e)
-    cube = graph.math("MULTIPLY", "r^3", log, -0.5 * 3.0 / (4.0 * pi))
-    radius = graph.math("POWER", "r", graph.math("MAXIMUM", "", cube, 0.0), 1.0 / 3.0)
+    log = logarithm(1.0 - minimum(share, 0.999), e)
+    radius = (maximum(log * (-0.5 * 3.0 / (4.0 * pi)), 0.0) ** (1.0 / 3.0)).named("r")
     masks, heights = [], []
     for part in (1.0, _SMALL):
-        cell = graph.math("MULTIPLY", "cell", size, part)
-        scale = graph.math("DIVIDE", "per unit", 1.0, cell)
-        points = texture_graph.points(graph, place, scale)
-        above = graph.math("SUBTRACT", "r - d", radius, points.outputs["Distance"])
-        edge = graph.math("MULTIPLY_ADD", "edge", radius, _DROP_EDGE, 1e-6)
-        masks.append(graph.math("DIVIDE", "drop", above, edge, clamp=True))
+        cell = inputs["Drop Size"] * part
+        away = graph.values(texture_graph.points(graph, place, 1.0 / cell))["Distance"]
+        above = radius - away
+        masks.append(clamped(above / (radius * _DROP_EDGE + 1e-6)).named("drop"))
         # The cap (r^2 - d^2) / r, which meets the surface at a slope of twice the height.
-        both = graph.math("ADD", "r + d", radius, points.outputs["Distance"])
-        inside = graph.math("MAXIMUM", "", above, 0.0)
-        cap = graph.math("MULTIPLY", "r^2 - d^2", inside, both)
-        cap = graph.math("DIVIDE", "cap", cap, graph.math("ADD", "", radius, 1e-6))
-        heights.append(graph.math("MULTIPLY", "height", cap, cell))
-    highest = graph.math("MAXIMUM", "highest", *heights)
-    height = graph.math("MULTIPLY", "height", highest, inputs.outputs["Height"])
-    return graph.math("MAXIMUM", "drops", *masks), _bump(graph, height, normal)
+        heights.append((maximum(above, 0.0) * (radius + away) / (radius + 1e-6) * cell).named("cap"))
+    height = maximum(*heights) * inputs["Height"]
+    return maximum(*masks).named("drops"), _bump(graph, height, normal)
 
 
 def _puddles(graph, inputs, place, normal, share):
     """Noise above a threshold, on places that are nearly level; water is level."""
-    scale = graph.math("DIVIDE", "per unit", 1.0, inputs.outputs["Puddle Size"])
-    noise = _noise(graph, place, scale, 3.0)
+    noise = _noise(graph, place, 1.0 / inputs["Puddle Size"], 3.0)
     value = texture_graph.ramp(graph, "in [-1, 1]", noise, 0.5 - _SPREAD, 0.5 + _SPREAD)
-    least = graph.math("COSINE", "least cosine", inputs.outputs["Steepest"])
-    upright = graph.vector("DOT_PRODUCT", "cosine of the slope", normal, (0.0, 0.0, 1.0))
-    above = graph.math("SUBTRACT", "above", upright, least)
-    level = graph.math("DIVIDE", "level", above, 1.0 - cos(radians(5.0)), clamp=True)
-    share = graph.math("MULTIPLY", "share of level places", share, level)
-    share = graph.math("MINIMUM", "", graph.math("MAXIMUM", "", share, _LEAST), 1.0 - _LEAST)
-    odds = graph.math("DIVIDE", "odds", share, graph.math("SUBTRACT", "1 - share", 1.0, share))
-    log = graph.math("LOGARITHM", "log", odds, e)
-    depth = graph.math("MULTIPLY_ADD", "depth", log, _LOGISTIC, value)
-    edge = graph.math("MULTIPLY_ADD", "edge", depth, 1.0 / _PUDDLE_EDGE, 0.5, clamp=True)
-    tilted = graph.mix("VECTOR", "level water", edge, normal, (0.0, 0.0, 1.0))
-    return edge, graph.vector("NORMALIZE", "N", tilted)
+    above = dot(normal, (0.0, 0.0, 1.0)) - cosine(inputs["Steepest"])
+    level = clamped(above / (1.0 - cos(radians(5.0)))).named("level")
+    share = minimum(maximum(share * level, _LEAST), 1.0 - _LEAST).named("share of level places")
+    depth = logarithm(share / (1.0 - share), e) * _LOGISTIC + value
+    edge = clamped(depth * (1.0 / _PUDDLE_EDGE) + 0.5).named("edge")
+    return edge, normalized(graph.mix("VECTOR", "level water", edge, normal, (0.0, 0.0, 1.0)))
 
 
 def _prints(graph, inputs, place, normal, share):
     """Ridges in an ellipse about a random point, turned at random in the plane of the surface."""
-    size = inputs.outputs["Print Size"]
-    cell = graph.math("MULTIPLY", "cell", size, 1.4)
-    points = texture_graph.points(graph, place, graph.math("DIVIDE", "per unit", 1.0, cell))
-    local = graph.vector("SUBTRACT", "from the point", place, points.outputs["Position"])
-    local = graph.scale("in sizes", local, graph.math("DIVIDE", "", 1.0, size))
-    turned = graph.vector("SUBTRACT", "random axis", points.outputs["Color"], (0.5, 0.5, 0.5))
-    along = graph.vector("NORMALIZE", "u", graph.vector("CROSS_PRODUCT", "", normal, turned))
-    across = graph.vector("CROSS_PRODUCT", "v", normal, along)
-    x = graph.vector("DOT_PRODUCT", "x", local, along)
-    y = graph.vector("DOT_PRODUCT", "y", local, across)
-    wide = _length(graph, graph.math("MULTIPLY", "", x, 1.4), y)
-    inside = texture_graph.ramp(graph, "inside", wide, 0.5, 0.4, 0.0)
-    bent = _noise(graph, place, graph.math("DIVIDE", "per unit", 2.5, size), 1.0)
-    core = _length(graph, x, graph.math("ADD", "", y, 0.12))
-    phase = graph.math("MULTIPLY_ADD", "", bent, 0.35, core)
-    wave = graph.math("SINE", "ridges", graph.math("MULTIPLY", "", phase, 2.0 * pi * _RIDGES))
-    ridges = graph.math("MULTIPLY_ADD", "ridges", wave, 2.0, 0.6, clamp=True)
-    pores = _noise(graph, place, graph.math("DIVIDE", "per unit", 12.0, size), 2.0)
+    size = inputs["Print Size"]
+    points = graph.values(texture_graph.points(graph, place, 1.0 / (size * 1.4)))
+    local = (place - points["Position"]) / size
+    along = normalized(cross(normal, points["Color"] - (0.5, 0.5, 0.5)))
+    x = dot(local, along).named("x")
+    y = dot(local, cross(normal, along)).named("y")
+    inside = texture_graph.ramp(graph, "inside", _length(x * 1.4, y), 0.5, 0.4, 0.0)
+    bent = _noise(graph, place, 2.5 / size, 1.0)
+    phase = bent * 0.35 + _length(x, y + 0.12)
+    ridges = clamped(sine(phase * (2.0 * pi * _RIDGES)) * 2.0 + 0.6).named("ridges")
+    pores = _noise(graph, place, 12.0 / size, 2.0)
     pressed = texture_graph.ramp(graph, "pressed", pores, 0.4, 0.5, 0.0)
-    chance = texture_graph.parts(graph, points.outputs["Color"])[0]
-    is_there = graph.math("LESS_THAN", "is there", chance, share)
-    there = graph.math("MULTIPLY", "in the ellipse", is_there, inside)
-    there = graph.math("MULTIPLY", "pressed", there, pressed)
-    return graph.math("MULTIPLY", "print", there, ridges), None
+    is_there = texture_graph.parts(graph, points["Color"])[0] < share
+    return (is_there * inside * pressed * ridges).named("print"), None
 
 
 def _noise(graph, place, scale, detail):
-    return texture_graph.noise(graph, "noise", place, scale, detail).outputs[0]
+    return graph.value(texture_graph.noise(graph, "noise", place, scale, detail).outputs[0])
 
 
-def _length(graph, x, y):
-    square = graph.math("MULTIPLY", "", x, x)
-    both = graph.math("MULTIPLY_ADD", "", y, y, square)
-    return graph.math("SQRT", "distance", both)
+def _length(x, y):
+    return sqrt(x**2 + y**2)
 
 
 def _bump(graph, height, normal):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Helpers that build a shader graph: nodes in labelled frames, which `arrange` lays out."""
 
+from .expression import Value
+
 NEVER_ZERO = (0.61e-4, 1.07e-4, 1.57e-4)  # added to a tangent, which a mesh without a UV map lacks
 COLUMN = 190.0
 ROW = 44.0  # height of a folded node
@@ -39,51 +41,45 @@ class Graph:
             node.parent = self.frame
         return node
 
-    def math(self, operation, label, *values, clamp=False):
-        """A scalar operation; each value is a number or an output socket. Returns the output socket."""
-        node = self.node("ShaderNodeMath", label)
-        node.operation = operation
-        node.use_clamp = clamp
-        self._feed(node, values)
-        return node.outputs[0]
+    def value(self, socket):
+        """The number or vector of an output socket, for formulas, see expression."""
+        return Value(self, socket)
 
-    def vector(self, operation, label, *values):
-        """A vector operation; values as in `math`. Returns its output, a number for a dot or a length."""
-        node = self.node("ShaderNodeVectorMath", label)
-        node.operation = operation
-        self._feed(node, values)
-        return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
+    def values(self, node):
+        """{name: Value} of the outputs of a node."""
+        return {socket.name: Value(self, socket) for socket in node.outputs}
 
-    def scale(self, label, vector, factor):
-        node = self.node("ShaderNodeVectorMath", label)
-        node.operation = "SCALE"
-        self.link(vector, node.inputs[0])
-        self.set(node.inputs["Scale"], factor)
-        return node.outputs["Vector"]
+    def combined(self, label, *parts):
+        """The vector of up to three parts, numbers or values; missing parts are 0."""
+        node = self.node("ShaderNodeCombineXYZ", label)
+        for target, part in zip(node.inputs, parts, strict=False):
+            self.set(target, part)
+        return self.value(node.outputs[0])
 
     def separate(self, label, color):
-        """The three channels of a color: sockets."""
+        """The three channels of a color."""
         node = self.node("ShaderNodeSeparateColor", label)
         self.link(color, node.inputs[0])
-        return node.outputs[:3]
+        return [self.value(socket) for socket in node.outputs]
 
     def mix(self, kind, label, share, first, second):
-        """`first` at the share 0, `second` at 1. `kind`: "RGBA", "VECTOR" or "FLOAT". Returns the output
-        socket. Cycles leaves the node out if the share is a fixed 0."""
+        """`first` at the share 0, `second` at 1. `kind`: "RGBA", "VECTOR" or "FLOAT". Cycles
+        leaves the node out if the share is a fixed 0."""
         node = self.node("ShaderNodeMix", label)
         node.data_type = kind
         end = {"RGBA": "Color", "VECTOR": "Vector", "FLOAT": "Float"}[kind]
         sockets = {socket.identifier: socket for socket in (*node.inputs, *node.outputs)}
         for name, value in (("Factor_Float", share), (f"A_{end}", first), (f"B_{end}", second)):
             self.set(sockets[name], value)
-        return sockets[f"Result_{end}"]
+        return self.value(sockets[f"Result_{end}"])
 
     def link(self, output, target):
-        self.tree.links.new(output, target)
+        """Link a value or an output socket to `target`."""
+        self.tree.links.new(output.socket if isinstance(output, Value) else output, target)
 
     def set(self, target, value):
-        """Link an output socket to `target`, or set its number."""
-        if hasattr(value, "is_output"):
+        """Link a value or an output socket to `target`, or set its number."""
+        if isinstance(value, Value) or hasattr(value, "is_output"):
             self.link(value, target)
         else:
             target.default_value = value
@@ -108,10 +104,6 @@ class Graph:
         for node in reversed(self.created):
             self.tree.nodes.remove(node)
         self.created.clear()
-
-    def _feed(self, node, values):
-        for target, value in zip(node.inputs, values, strict=False):
-            self.set(target, value)
 
     def _new(self, kind, label):
         node = self.tree.nodes.new(kind)

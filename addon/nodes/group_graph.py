@@ -3,6 +3,7 @@
 mixes."""
 
 from . import closure_graph, mix_shader, thin_sheet
+from .expression import clamped
 from .graph import Graph
 from .group_sockets import COVERAGE
 
@@ -30,8 +31,8 @@ def _output(graph, lut, shaders):
     """Feed the group's output: the shader of the table, or its mixture with that without the film."""
     total = shaders[0]
     if len(shaders) > 1:
-        inputs = graph.node("NodeGroupInput", folded=False)
-        coverage = graph.math("ADD", "coverage", inputs.outputs[COVERAGE], 0.0, clamp=True)
+        inputs = graph.values(graph.node("NodeGroupInput", folded=False))
+        coverage = clamped(inputs[COVERAGE]).named("coverage")
         total = mix_shader.between(graph, "without or with the film", coverage, shaders[1], total)
     output = graph.node("NodeGroupOutput", folded=False)
     output.is_active_output = True

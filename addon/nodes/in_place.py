@@ -124,23 +124,19 @@ def _with_emission_and_alpha(tree, node, replaced):
 
 
 def _below_coat(graph, replaced):
-    """(a socket with the share of a strength that passes the coat, the input for that strength). The share is
+    """(a value with the share of a strength that passes the coat, the input for that strength). The share is
     1 - Coat Weight x Fresnel reflectance, as in Cycles for a smooth coat."""
     fresnel = graph.node("ShaderNodeFresnel", "coat")
-    ior = graph.math("POWER", "IOR of the coat", 1.0, 1.0)
     # The Fresnel node inverts the index on back faces, and the coat does not.
-    geometry = graph.node("ShaderNodeNewGeometry")
-    back = geometry.outputs["Backfacing"]
-    power = graph.math("MULTIPLY_ADD", "-1 on back faces", back, -2.0, 1.0)
-    graph.link(power, ior.node.inputs[1])
-    _carry(replaced.inputs[principled.COAT_IOR], ior.node.inputs[0])
+    back = graph.values(graph.node("ShaderNodeNewGeometry"))["Backfacing"]
+    ior = (1.0 ** (1.0 - back * 2.0)).named("IOR of the coat")
+    _carry(replaced.inputs[principled.COAT_IOR], ior.socket.node.inputs[0])
     graph.link(ior, fresnel.inputs["IOR"])
     _carry(replaced.inputs[principled.COAT_NORMAL], fresnel.inputs["Normal"])
-    reflected = graph.math("MULTIPLY", "reflected", fresnel.outputs[0], 0.0)
-    _carry(replaced.inputs[principled.COAT], reflected.node.inputs[1])
-    left = graph.math("SUBTRACT", "left", 1.0, reflected)
-    strength = graph.math("MULTIPLY", "strength", left, 0.0)
-    return strength, strength.node.inputs[1]
+    reflected = (graph.value(fresnel.outputs[0]) * 0.0).named("reflected")
+    _carry(replaced.inputs[principled.COAT], reflected.socket.node.inputs[1])
+    strength = ((1.0 - reflected).named("left") * 0.0).named("strength")
+    return strength, strength.socket.node.inputs[1]
 
 
 def _carry(given, target):

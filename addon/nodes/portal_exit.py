@@ -9,6 +9,7 @@ lamina.subsurface.portal for the equations."""
 import math
 
 from . import portal_image
+from .expression import arctangent, clamped, dot, exponential, maximum, ping_pong, sqrt
 
 # Times that half a turn of the azimuth runs through the depths: an even number, see place_of_depth.
 FOLDS = 64.0
@@ -21,65 +22,46 @@ def place_of_depth(graph, direction):
     nothing."""
     parts = graph.node("ShaderNodeSeparateXYZ", "direction")
     graph.link(direction, parts.inputs[0])
-    azimuth = graph.math("ARCTAN2", "azimuth", parts.outputs[1], parts.outputs[0])
-    folded = graph.math("MULTIPLY", "folded", azimuth, FOLDS / math.pi)
-    return graph.math("PINGPONG", "place of the depth", folded, 1.0)
+    x, y, _ = map(graph.value, parts.outputs)
+    return ping_pong(arctangent(y, x) * (FOLDS / math.pi), 1.0).named("place of the depth")
 
 
 def weight_and_normal(graph, tables, image, length, geometry, light_path):
     """(weight of a ray, a colour; normal of the closure) at the back face where the ray leaves.
 
-    `tables`: lamina.PortalTables; `length`: socket with the Blender units per millimetre."""
-    incoming, flat = geometry.outputs["Incoming"], geometry.outputs["True Normal"]
-    cosine = graph.vector("DOT_PRODUCT", "exit cosine", incoming, flat)
+    `tables`: lamina.PortalTables; `length`: the Blender units per millimetre; `geometry`, `light_path`: the
+    values of the nodes by name."""
+    incoming = geometry["Incoming"]
+    cosine = dot(incoming, geometry["True Normal"]).named("exit cosine")
     depth = portal_image.depth(graph, image, place_of_depth(graph, incoming))
-    way = graph.math("DIVIDE", "path length, mm", light_path.outputs["Ray Length"], length)
-    beyond = graph.math("SUBTRACT", "beyond the depth", way, depth)
-    shape = _shape(graph, tables, depth, way, beyond, graph.math("MULTIPLY", "height", way, cosine))
-    by_channel = graph.node("ShaderNodeCombineXYZ", "weight at the exit")
-    between = graph.math("MULTIPLY", "", way, graph.math("SQRT", "", shape))
+    way = (light_path["Ray Length"] / length).named("path length, mm")
+    beyond = way - depth
+    shape = _shape(tables, depth, way, beyond, way * cosine)
     # Beside an edge and in a hollow, t may be less than z. The factor for t = z limits the light there.
-    beyond = graph.math("MAXIMUM", "", beyond, 0.0)
-    done = {}
-    for channel, decay in enumerate(_three(tables.decay)):
-        if decay not in done:
-            done[decay] = _decayed(graph, decay, beyond, shape, between)
-        graph.link(done[decay], by_channel.inputs[channel])
-    return by_channel.outputs[0], _tilted(graph, tables, geometry, cosine)
+    beyond = maximum(beyond, 0.0).named("beyond the depth")
+    between = (way * sqrt(shape)).named("t sqrt(u / h)")
+    decayed = {0.0: shape}
+    for k in _three(tables.decay):
+        if k not in decayed:
+            decayed[k] = ((between * k + shape) * exponential(beyond * -k)).named("in this channel")
+    weight = graph.combined("weight at the exit", *(decayed[k] for k in _three(tables.decay)))
+    normal = geometry["Normal"]
+    if tables.tilt != 0.0:
+        # The closure's light leans along the ray, away from the entry.
+        level = incoming - geometry["True Normal"] * cosine
+        normal = (level * tables.tilt + normal).named("tilted")
+    return weight, normal
 
 
-def _shape(graph, tables, depth, way, beyond, height):
+def _shape(tables, depth, way, beyond, height):
     """u / h, for the source's height h over the exit's tangent plane. The share s = z / 2 a of the depth z in
     the body is z (h - z) / (t^2 - z^2) on a sphere of radius a. A hollow surface counts as flat."""
     # Beside an edge, the other face is nearer than z: this face gets no more light than its rays are dense.
-    ratio = graph.math("DIVIDE", "depth over height", depth, height, clamp=True)
+    ratio = clamped(depth / height).named("depth over height")
     if tables.curved == 0.0:
         return ratio
-    square = graph.math("MULTIPLY", "", graph.math("ADD", "", way, depth), beyond)
-    rise = graph.math("SUBTRACT", "rise", height, depth)
-    share = graph.math("MULTIPLY", "", graph.math("DIVIDE", "curvature", rise, square), depth)
-    rest = graph.math("SUBTRACT", "rest of the body", 1.0, share, clamp=True)
-    rest = graph.math("POWER", "", rest, tables.curved)
-    return graph.math("MULTIPLY", "shape of the surface", ratio, rest)
-
-
-def _decayed(graph, decay, beyond, shape, between):
-    """(u / h + k t sqrt(u / h)) exp(-k (t - z)). `between`: t sqrt(u / h); `beyond`: t - z."""
-    if decay == 0.0:
-        return shape
-    fall = graph.math("EXPONENT", "fall", graph.math("MULTIPLY", "", beyond, -decay))
-    light = graph.math("MULTIPLY_ADD", "light of the source", between, decay, shape)
-    return graph.math("MULTIPLY", "in this channel", fall, light)
-
-
-def _tilted(graph, tables, geometry, cosine):
-    """The normal, tilted so that the closure's light leans along the ray, away from the entry."""
-    normal = geometry.outputs["Normal"]
-    if tables.tilt == 0.0:
-        return normal
-    upwards = graph.scale("", geometry.outputs["True Normal"], cosine)
-    level = graph.vector("SUBTRACT", "level", geometry.outputs["Incoming"], upwards)
-    return graph.vector("MULTIPLY_ADD", "tilted", level, (tables.tilt,) * 3, normal)
+    share = (height - depth) / ((way + depth) * beyond) * depth
+    return (ratio * clamped(1.0 - share) ** tables.curved).named("shape of the surface")
 
 
 def _three(values):

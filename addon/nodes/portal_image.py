@@ -20,19 +20,18 @@ def create(name, depths, views):
 def depth(graph, image, place):
     """The depth at the place in [0, 1]: 0 is the first texel, 1 the last."""
     scale = (1.0 - 1.0 / image.size[0], 0.0)
-    return _texture(graph, image, DEPTHS, "depth of the source", place, "Closest", scale).outputs["Alpha"]
+    node = _texture(graph, image, DEPTHS, "depth of the source", place, "Closest", scale)
+    return graph.value(node.outputs["Alpha"])
 
 
 def by_view(graph, image, place, cosine):
     """The weight of a ray by the place of its depth and by the view cosine."""
     width, height = image.size
-    at = graph.node("ShaderNodeCombineXYZ", "depth and view")
-    graph.link(place, at.inputs[0])
-    graph.link(cosine, at.inputs[1])
+    at = graph.combined("depth and view", place, cosine)
     # From [0, 1] to the centers of the first and the last row of views.
     scale = ((width - 1.0) / width, (height - VIEWS - 1.0) / height)
-    node = _texture(graph, image, VIEWS, "by view and depth", at.outputs[0], "Linear", scale)
-    return node.outputs["Color"]
+    node = _texture(graph, image, VIEWS, "by view and depth", at, "Linear", scale)
+    return graph.value(node.outputs["Color"])
 
 
 def _texture(graph, image, row, label, place, interpolation, scale):

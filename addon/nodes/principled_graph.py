@@ -9,19 +9,18 @@ _LABEL = "base"
 
 
 def beside(graph, lut, inputs, normal, weight, layers):
-    """The shader `layers` plus the BSDF times `weight`, a socket with equal channels. `inputs`: the group's
-    input node; `normal`: a socket."""
+    """The shader `layers` plus the BSDF times `weight`, a value with equal channels. `inputs`: the group's,
+    by name."""
     base = lut.header["stack"]["base"]
     bsdf = graph.node("ShaderNodeBsdfPrincipled", _LABEL)
     for name, socket in principled.SOCKETS.items():
         if name in base.get("inputs", ()):
-            graph.link(inputs.outputs[socket], bsdf.inputs[socket])
+            graph.link(inputs[socket], bsdf.inputs[socket])
         else:
             bsdf.inputs[socket].default_value = value(name, base[name])
     graph.link(normal, bsdf.inputs["Normal"])
-    if principled.TANGENT in inputs.outputs:
-        tangent = graph.vector("ADD", "never zero", inputs.outputs[principled.TANGENT], NEVER_ZERO)
-        graph.link(tangent, bsdf.inputs[principled.TANGENT])
+    if principled.TANGENT in inputs:
+        graph.link(inputs[principled.TANGENT] + NEVER_ZERO, bsdf.inputs[principled.TANGENT])
     if base["coat"][0] > 0.0:
         graph.link(normal, bsdf.inputs["Coat Normal"])
     for socket in bsdf.inputs:

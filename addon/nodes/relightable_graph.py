@@ -9,9 +9,9 @@ from . import boundary_graph, mix_shader
 def draw(graph, inputs, length, texels=None):
     """Add the nodes and return (the shader's socket, None): there is no volume.
 
-    `inputs`: lamina.SubsurfaceInputs in millimetres; `length`: the socket with the number of Blender units
-    per millimetre. If the inputs are images, `texels(name, pixels)` adds an image of (height, width, 3)
-    and returns the socket of its colour."""
+    `inputs`: lamina.SubsurfaceInputs in millimetres; `length`: the number of Blender units per millimetre, a
+    socket or a value. If the inputs are images, `texels(name, pixels)` adds an image of (height, width, 3)
+    and returns its colour."""
     shader = _walk(graph, "walk", inputs, "", length, texels)
     if inputs.extra_weight > 0.0:
         lost = _walk(graph, "light that the walk loses", inputs, "extra_", length, texels)

@@ -6,6 +6,8 @@ in the world."""
 import bpy
 import numpy as np
 
+from .expression import length
+
 NAME = "lamina_rest"
 
 
@@ -43,11 +45,10 @@ def remove(mesh):
 
 
 def draw(graph):
-    """The socket of the coordinates in a shader: the object's own on a mesh without the attribute."""
+    """The coordinates in a shader: the object's own on a mesh without the attribute."""
     stored = graph.node("ShaderNodeAttribute", "at rest")
     stored.attribute_type, stored.attribute_name = "GEOMETRY", NAME
+    rest = graph.value(stored.outputs["Vector"])
     place = graph.node("ShaderNodeTexCoord").outputs["Object"]
     # A missing attribute is 0 everywhere.
-    length = graph.vector("LENGTH", "length", stored.outputs["Vector"])
-    is_stored = graph.math("GREATER_THAN", "is stored", length, 0.0)
-    return graph.mix("VECTOR", "at rest or now", is_stored, place, stored.outputs["Vector"])
+    return graph.mix("VECTOR", "at rest or now", length(rest) > 0.0, place, rest)

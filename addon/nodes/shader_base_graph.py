@@ -10,10 +10,9 @@ REFLECTANCE = "Base Reflectance"
 def over(graph, inputs, weight, layers):
     """The shader `layers`, the layers' own light, plus the shader of the input SHADER times `weight`.
 
-    The weight, a socket with a color, is made grey, because Cycles has no colored weights of shaders.
-    `inputs`: the group's input node."""
+    The weight, a color, is made grey, because Cycles has no colored weights of shaders.
+    `inputs`: the group's, by name."""
     grey = graph.node("ShaderNodeRGBToBW", "grey")
     graph.link(weight, grey.inputs[0])
-    shader = inputs.outputs[SHADER]
-    weighted = mix_shader.weighted(graph, "weighted base", grey.outputs[0], shader)
+    weighted = mix_shader.weighted(graph, "weighted base", grey.outputs[0], inputs[SHADER])
     return mix_shader.added(graph, "layers and base", layers, weighted)

@@ -5,10 +5,11 @@ import math
 from typing import NamedTuple
 
 from ..kinds.table import SHAPE, TILT, Strip
+from .expression import arctangent, sqrt
 
 
 class Shape(NamedTuple):
-    """The shape of a Glossy BSDF, sockets or numbers; the normal has any length."""
+    """The shape of a Glossy BSDF, values or numbers; the normal has any length."""
 
     roughness: object
     anisotropy: object
@@ -16,8 +17,7 @@ class Shape(NamedTuple):
 
 
 class Shapes:
-    """`read(strip, label)` reads a strip and returns a socket; `directions`: the Directions of
-    the recipes."""
+    """`read(strip, label)` reads a strip; `directions`: the Directions of the recipes."""
 
     def __init__(self, graph, read, directions):
         self._graph, self._read, self._directions = graph, read, directions
@@ -34,8 +34,7 @@ class Shapes:
         roughness, anisotropy, tilt = graph.separate("roughness, anisotropy, k", shape)
         graph.link(roughness, node.inputs["Roughness"])
         graph.link(anisotropy, node.inputs["Anisotropy"])
-        towards = graph.scale("k I", of("I"), tilt)
-        normal = graph.vector("ADD", "N + k I", of("N"), towards)
+        normal = (of("N") + of("I") * tilt).named("N + k I")
         graph.link(normal, node.inputs["Normal"])
         self.by_closure[closure] = Shape(roughness, anisotropy, normal)
 
@@ -45,15 +44,11 @@ class Shapes:
         shape = self._read(Strip(closure, SHAPE), f"shape {closure}")
         roughness, along, across = graph.separate("roughness, a cos 2t, a sin 2t", shape)
         graph.link(roughness, node.inputs["Roughness"])
-        square = graph.math("MULTIPLY", "a^2", across, across)
-        square = graph.math("MULTIPLY_ADD", "a^2", along, along, square)
-        graph.link(graph.math("SQRT", "a", square), node.inputs["Anisotropy"])
-        twice = graph.math("ARCTAN2", "2 t", across, along)
-        share = graph.math("MULTIPLY", "t in turns", twice, 0.25 / math.pi)
-        graph.link(share, node.inputs["Rotation"])
+        graph.link(sqrt(across**2 + along**2).named("a"), node.inputs["Anisotropy"])
+        turns = arctangent(across, along) * (0.25 / math.pi)
+        graph.link(turns.named("t in turns"), node.inputs["Rotation"])
         graph.link(of("tangent"), node.inputs["Tangent"])
         tilt = self._read(Strip(closure, TILT), f"tilt {closure}")
         towards, aside, _ = graph.separate("k, l", tilt)
-        leant = graph.vector("ADD", "N + k I", of("N"), graph.scale("k I", of("I"), towards))
-        leant = graph.vector("ADD", "+ l N x I", leant, graph.scale("l N x I", of("N x I"), aside))
-        graph.link(leant, node.inputs["Normal"])
+        leant = of("N") + of("I") * towards + of("N x I") * aside
+        graph.link(leant.named("N + k I + l N x I"), node.inputs["Normal"])

@@ -9,7 +9,7 @@ sheet are alike. Otherwise the table holds no such sheet, and dust on back faces
 
 import numpy as np
 
-from .graph import Graph
+from .expression import maximum, minimum
 
 FRONT, BACK = "Thickness", "Thickness Back"
 AS_FRONT = -1.0  # value of the back's input for no thickness of its own
@@ -31,26 +31,20 @@ def shows_back(lut):
     return len(lut.header["sides"]) < 2 or turns_over(lut)
 
 
-def draw(graph: Graph, lut, inputs, backfacing, most):
-    """(thickness, side) as sockets: the thickness in [0, `most`], the side 0 for the table's top and 1 for
-    the bottom. `inputs`: the group's input node. `backfacing`: 1 on back faces.
-    """
-    front = _clamped(graph, "thickness", inputs.outputs[FRONT], most)
+def draw(lut, inputs, backfacing, most):
+    """(thickness, side) as values: the thickness in [0, `most`], the side 0 for the table's top and 1 for
+    the bottom. `inputs`: the group's. `backfacing`: 1 on back faces."""
+    front = _clamped(inputs[FRONT], most)
     sheet = len(lut.header["sides"]) > 1
     if not shows_back(lut):
         return front, backfacing
-    back = _clamped(graph, "thickness of the back", inputs.outputs[BACK], most)
+    back = _clamped(inputs[BACK], most)
     if sheet:
-        over = graph.math("GREATER_THAN", "dust on the back", back, front)
-        turned = graph.math("SUBTRACT", "side", backfacing, over)
-        return (graph.math("MAXIMUM", "of the dusty side", front, back),
-                graph.math("ABSOLUTE", "side or other", turned))
-    given = graph.math("GREATER_THAN", "has its own", inputs.outputs[BACK], 0.5 * AS_FRONT)
-    chosen = graph.math("MULTIPLY", "and is seen", given, backfacing)
-    more = graph.math("SUBTRACT", "back less front", back, front)
-    return graph.math("MULTIPLY_ADD", "of this side", more, chosen, front), backfacing
+        over = (back > front).named("dust on the back")
+        return maximum(front, back).named("of the dusty side"), abs(backfacing - over).named("side or other")
+    is_own = (inputs[BACK] > 0.5 * AS_FRONT).named("has its own")
+    return ((back - front) * (is_own * backfacing) + front).named("of this side"), backfacing
 
 
-def _clamped(graph, label, socket, most):
-    least = graph.math("MAXIMUM", label, socket, 0.0)
-    return graph.math("MINIMUM", MOST_LABEL, least, most)
+def _clamped(thickness, most):
+    return minimum(maximum(thickness, 0.0), most).named(MOST_LABEL)

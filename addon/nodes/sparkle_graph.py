@@ -22,6 +22,7 @@ from ..kinds.bases import LEAST_ALPHA
 from ..kinds.flakes import Flakes
 from ..kinds.table import strips_of
 from . import mix_shader, rest_coordinates, texture_graph
+from .expression import clamped, cosine, cross, dot, maximum, minimum, normalized, reflected, sign, sine, sqrt
 from .shape_sockets import Shape
 
 SPARKLE, SIZE, DISTANCE = "Sparkle", "Flake Size", "Fade Distance"  # inputs of the group
@@ -58,69 +59,50 @@ def is_offered(lut):
 
 
 class Sparkle:
-    """The cells of a surface; `over` gives a closure its sparkle. `inputs`: the group's input node."""
+    """The cells of a surface; `over` gives a closure its sparkle. `inputs`: the group's."""
 
     def __init__(self, graph, inputs, directions):
         self._graph, self._directions = graph, directions
         graph.begin_frame("Sparkle: a random direction and slope for each cell", COLOUR)
         place = rest_coordinates.draw(graph)
-        scale = graph.math("DIVIDE", "per length", 1.0, inputs.outputs[SIZE])
-        cells = texture_graph.points(graph, place, scale)
+        cells = texture_graph.points(graph, place, 1.0 / inputs[SIZE])
         # The color of a cell is also the place of its point in a lattice, so it depends on the cell's size.
         chance = graph.node("ShaderNodeTexWhiteNoise", "of each cell")
         chance.noise_dimensions = "3D"
         graph.link(cells.outputs["Color"], chance.inputs["Vector"])
         height, turn, share = graph.separate("u", chance.outputs["Color"])
         self._tilt_of(height, turn, share)
-        camera = graph.node("ShaderNodeCameraData")
-        away = camera.outputs["View Distance"]
-        near = graph.math("DIVIDE", "near", inputs.outputs[DISTANCE], away)
-        near = graph.math("MINIMUM", "at most 1", near, 1.0)
-        self._share = graph.math("MULTIPLY", "share that sparkles", inputs.outputs[SPARKLE], near)
+        away = graph.values(graph.node("ShaderNodeCameraData"))["View Distance"]
+        self._share = (inputs[SPARKLE] * minimum(inputs[DISTANCE] / away, 1.0)).named("share that sparkles")
         graph.end_frame()
 
     def _tilt_of(self, height, turn, share):
         """Sets `_direction`, a random one of the whole sphere, whose azimuth about any normal is random, and
         `_slope`, for widths of 1."""
-        graph = self._graph
-        up = graph.math("MULTIPLY_ADD", "z", height, 2.0, -1.0)
-        around = graph.math("MULTIPLY", "azimuth", turn, 2.0 * math.pi)
-        down = graph.math("MULTIPLY", "-z", up, -1.0)
-        ring = graph.math("MULTIPLY_ADD", "1 - z^2", up, down, 1.0)
-        ring = graph.math("SQRT", "ring", ring)
-        direction = graph.node("ShaderNodeCombineXYZ", "random direction")
-        for number, how in enumerate(("COSINE", "SINE")):
-            part = graph.math(how, how.lower(), around)
-            graph.link(graph.math("MULTIPLY", "part", part, ring), direction.inputs[number])
-        graph.link(up, direction.inputs[2])
-        self._direction = direction.outputs[0]
-        share = graph.math("MINIMUM", "u", share, MOST)
-        rest = graph.math("SUBTRACT", "1 - u", 1.0, share)
-        odds = graph.math("DIVIDE", "u / (1 - u)", share, rest)
-        square = graph.math("MULTIPLY", "u^2", share, share)
-        rise = graph.math("MULTIPLY", "u^4", square, square)
-        rise = graph.math("MULTIPLY_ADD", "steep", rise, SLOPES[2], SLOPES[0])
-        square = graph.math("MULTIPLY_ADD", "all", share, SLOPES[1], rise)
-        square = graph.math("MULTIPLY", "r^2", odds, square)
-        self._slope = graph.math("SQRT", "slope", square)
+        z, azimuth = height * 2.0 - 1.0, turn * (2.0 * math.pi)
+        ring = sqrt(1.0 - z**2)
+        parts = cosine(azimuth) * ring, sine(azimuth) * ring, z
+        self._direction = self._graph.combined("random direction", *parts)
+        u = minimum(share, MOST).named("u")
+        a, b, c = SLOPES
+        self._slope = sqrt(u / (1.0 - u) * (a + b * u + c * (u**2) ** 2)).named("slope")
 
     def over(self, closure, shape, weight, node):
         """The shader of the Glossy BSDF `node`, whose share Sparkle falls apart. `shape`: its Shape, or None
-        if it is fixed; `weight`: the socket of its color."""
+        if it is fixed; `weight`: its color."""
         graph = self._graph
         shape = shape or Shape(node.inputs["Roughness"].default_value, 0.0, self._directions.of("N"))
         outer = graph.frame
         graph.begin_frame(f"Sparkle of {closure}", COLOUR)
-        facets = _Facets(graph, shape, self._directions)
-        tilted, x = facets.tilted(self._direction, self._slope)
+        facets = _Facets(shape, self._directions)
+        tilted = facets.tilted(self._direction, self._slope)
         factor = facets.weight(tilted)
         cell = graph.node(node.bl_idname, f"cells {closure}")
         cell.distribution = node.distribution
-        narrow = graph.math("MULTIPLY", "narrow", shape.roughness, math.sqrt(NARROW))
-        weight = graph.scale("weight", weight, factor)
-        for name, socket in (("Color", weight), ("Roughness", narrow), ("Anisotropy", shape.anisotropy),
-                             ("Normal", tilted), ("Tangent", x)):
-            graph.set(cell.inputs[name], socket)
+        given = {"Color": weight * factor, "Roughness": shape.roughness * math.sqrt(NARROW),
+                 "Anisotropy": shape.anisotropy, "Normal": tilted, "Tangent": facets.x}
+        for name, value in given.items():
+            graph.set(cell.inputs[name], value)
         for socket in cell.inputs:
             socket.hide = not socket.is_linked
         graph.frame = outer
@@ -132,56 +114,33 @@ class _Facets:
     """The field of facets of a Glossy BSDF: its widths, and its frame X, Y, n with X in the plane of
     incidence."""
 
-    def __init__(self, graph, shape, directions):
-        self._graph, self._view = graph, directions.of("I")
-        self._n = graph.vector("NORMALIZE", "n", shape.normal)
-        cosine = graph.vector("DOT_PRODUCT", "n.o", self._n, self._view)
-        self._cosine = graph.math("MAXIMUM", "n.o", cosine, LEAST_COSINE)
-        across = graph.vector("CROSS_PRODUCT", "across", self._n, directions.of("I aside"))
-        self._y = graph.vector("NORMALIZE", "Y", across)
-        self._x = graph.vector("CROSS_PRODUCT", "X", self._y, self._n)
-        mean = graph.math("MULTIPLY", "alpha", shape.roughness, shape.roughness)
-        size = graph.math("ABSOLUTE", "|a|", shape.anisotropy)
-        rest = graph.math("SUBTRACT", "1 - |a|", 1.0, size)
-        squeeze = graph.math("POWER", "squeeze", rest, graph.math("SIGN", "sign", shape.anisotropy))
-        self._alpha_x = graph.math("MULTIPLY", "alpha x", mean, squeeze, clamp=True)
-        self._alpha_y = graph.math("DIVIDE", "alpha y", mean, squeeze, clamp=True)
+    def __init__(self, shape, directions):
+        self._view = directions.of("I")
+        self._n = normalized(shape.normal).named("n")
+        self._cosine = maximum(dot(self._n, self._view), LEAST_COSINE).named("n.o")
+        y = normalized(cross(self._n, directions.of("I aside"))).named("Y")
+        self.x = cross(y, self._n).named("X")
+        alpha, a = shape.roughness**2, shape.anisotropy
+        squeeze = 1.0 if a == 0.0 else (1.0 - abs(a)) ** sign(a)
+        self._axes = (self.x, clamped(alpha * squeeze)), (y, clamped(alpha / squeeze))
 
     def tilted(self, direction, slope):
-        """(the vector n + s of a facet of this direction and slope, X): sockets."""
-        graph = self._graph
-        parts = [graph.vector("DOT_PRODUCT", "part", direction, axis) for axis in (self._x, self._y)]
-        square = graph.math("MULTIPLY", "square", parts[1], parts[1])
-        square = graph.math("MULTIPLY_ADD", "square", parts[0], parts[0], square)
-        length = graph.math("SQRT", "length", square)
-        slope = graph.math("DIVIDE", "slope", slope, length)
+        """The vector n + s of a facet of this direction and slope."""
+        x, y = (dot(direction, axis) for axis, _ in self._axes)
+        slope = slope / sqrt(x**2 + y**2)
         facet = self._n
-        axes = (self._x, self._y), (self._alpha_x, self._alpha_y)
-        for part, axis, alpha in zip(parts, *axes, strict=True):
-            wide = graph.math("MULTIPLY", "wide", part, alpha)
-            wide = graph.math("MULTIPLY", "tilt", wide, slope)
-            facet = graph.vector("ADD", "n + s", facet, graph.scale("along", axis, wide))
-        return facet, self._x
+        for part, (axis, alpha) in zip((x, y), self._axes, strict=True):
+            facet += axis * (part * alpha * slope)
+        return facet.named("n + s")
 
     def weight(self, tilted):
         """(n + s).o / n.o G2(o, i), with G2 = 2 / (R(o) + R(i)), R = sqrt(1 + (alpha tan)^2); almost 0 if i
         is below."""
-        graph = self._graph
-        seen = graph.vector("DOT_PRODUCT", "(n + s).o", tilted, self._view)
-        seen = graph.math("MAXIMUM", "seen", seen, 0.0)
-        mirrored = graph.vector("REFLECT", "-i", self._view, tilted)
-        height = graph.math("MULTIPLY", "n.i", -1.0, graph.vector("DOT_PRODUCT", "-n.i", self._n, mirrored))
-        height = graph.math("MAXIMUM", "n.i", height, LEAST_COSINE)
-        both = graph.math("ADD", "R + R", self._root(self._view, self._cosine), self._root(mirrored, height))
-        masked = graph.math("MULTIPLY", "masked", both, self._cosine)
-        twice = graph.math("MULTIPLY", "twice", seen, 2.0)
-        return graph.math("DIVIDE", "weight", twice, masked)
+        mirrored = reflected(self._view, tilted).named("-i")
+        height = maximum(-dot(self._n, mirrored), LEAST_COSINE).named("n.i")
+        both = self._root(self._view, self._cosine) + self._root(mirrored, height)
+        return (maximum(dot(tilted, self._view), 0.0) * 2.0 / (both * self._cosine)).named("weight")
 
     def _root(self, direction, cosine):
-        graph, sum = self._graph, 0.0
-        for axis, alpha in ((self._x, self._alpha_x), (self._y, self._alpha_y)):
-            part = graph.vector("DOT_PRODUCT", "part", axis, direction)
-            part = graph.math("MULTIPLY", "alpha part", part, alpha)
-            part = graph.math("DIVIDE", "alpha tan", part, cosine)
-            sum = graph.math("MULTIPLY_ADD", "square", part, part, sum)
-        return graph.math("SQRT", "R", graph.math("ADD", "1 + square", sum, 1.0))
+        x, y = (dot(axis, direction) * alpha / cosine for axis, alpha in self._axes)
+        return sqrt(1.0 + x**2 + y**2).named("R")

@@ -43,7 +43,7 @@ class Reader:
         index = self._strips.index(strip)
         if index not in self._textures:
             self.read(strip, label)
-        held = [texture.outputs["Alpha"] for texture in self._textures[index]]
+        held = [self._graph.value(texture.outputs["Alpha"]) for texture in self._textures[index]]
         if len(held) == 1:
             return held[0]
         return self._graph.mix("FLOAT", "between", self._around.share, *held)
@@ -65,4 +65,4 @@ class Reader:
         texture.texture_mapping.translation = (0.5 / columns, (row + 0.5) / self._table.height, 0.0)
         self._graph.link(place, texture.inputs[0])
         self._textures.setdefault(index, []).append(texture)
-        return texture.outputs["Color"]
+        return self._graph.value(texture.outputs["Color"])

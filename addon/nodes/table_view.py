@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from ..kinds.table import TAU_BEND
 from . import azimuth_graph, side_graph
+from .expression import arccosine, dot, length, normalized
 
 SCALE_LABEL = "rows"
 ANGLE_COLOUR = (0.16, 0.24, 0.34)
@@ -21,11 +22,11 @@ ROW_COLOUR = (0.18, 0.30, 0.24)
 
 
 class View(NamedTuple):
-    """The group's input node, and sockets: the direction to the viewer, the normal, their cosine and angle,
-    the tangent or None, v, and the place (view angle, v). turn: the row of the azimuth, where a layer varies
-    too; otherwise None."""
+    """The group's inputs by name, and values: the direction to the viewer, the normal, their cosine and
+    angle, the tangent or None, v, and the place (view angle, v). turn: the row of the azimuth, where a layer
+    varies too; otherwise None."""
 
-    inputs: object
+    inputs: dict
     incoming: object
     normal: object
     cosine: object
@@ -50,57 +51,49 @@ def largest_tau(lut):
 def draw(graph, lut, height):
     """The View of a table in an image of `height` texels."""
     rows = lut.header["axes"]["tau"]["count"]
-    inputs = graph.node("NodeGroupInput", folded=False)
-    geometry = graph.node("ShaderNodeNewGeometry", folded=False)
-    incoming = geometry.outputs["Incoming"]
-    backfacing = geometry.outputs["Backfacing"]
+    inputs = graph.values(graph.node("NodeGroupInput", folded=False))
+    geometry = graph.values(graph.node("ShaderNodeNewGeometry", folded=False))
+    incoming = geometry["Incoming"]
 
     graph.begin_frame("Normal (the surface's own when the input is empty)", NORMAL_COLOUR)
-    normal = normal_of(graph, inputs.outputs["Normal"], geometry.outputs["Normal"])
+    normal = normal_of(graph, inputs["Normal"], geometry["Normal"])
     graph.begin_frame("View angle", ANGLE_COLOUR)
-    cosine = graph.vector("DOT_PRODUCT", "view cosine", incoming, normal)
-    angle = graph.math("ARCCOSINE", "view angle", cosine)
+    cosine = dot(incoming, normal).named("view cosine")
+    angle = arccosine(cosine).named("view angle")
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
-    v, tangent, turn = _row(graph, lut, inputs, backfacing, rows, height), None, None
+    v, tangent, turn = _row(lut, inputs, geometry["Backfacing"], rows, height), None, None
     if azimuth_graph.rows(lut) > 1:
         graph.begin_frame("Azimuth of the view from the tangent to row v", ROW_COLOUR)
         tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
         per_radian = (azimuth_graph.rows(lut) - 1) / math.pi
         if rows == 1:
-            v = graph.math("MULTIPLY_ADD", "v of the azimuth", azimuth, per_radian / height, v)
+            v = (azimuth * (per_radian / height) + v).named("v of the azimuth")
         else:
-            turn = graph.math("MULTIPLY", "row of the azimuth", azimuth, per_radian)
+            turn = (azimuth * per_radian).named("row of the azimuth")
     graph.end_frame()
-    place = graph.node("ShaderNodeCombineXYZ", "view angle, v")
-    graph.set(place.inputs[0], angle)
-    graph.set(place.inputs[1], v)
-    return View(inputs, incoming, normal, cosine, angle, tangent, v, place.outputs[0], turn)
+    place = graph.combined("view angle, v", angle, v)
+    return View(inputs, incoming, normal, cosine, angle, tangent, v, place, turn)
 
 
 def normal_of(graph, given, own):
     """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
-    length = graph.vector("LENGTH", "length", given)
-    is_given = graph.math("GREATER_THAN", "is given", length, 0.5)
-    chosen = graph.mix("VECTOR", "normal", is_given, own, given)
-    return graph.vector("NORMALIZE", "N", chosen)
+    is_given = (length(given) > 0.5).named("is given")
+    return normalized(graph.mix("VECTOR", "normal", is_given, own, given)).named("N")
 
 
-def _row(graph, lut, inputs, backfacing, rows, height):
-    """v of strip 0 without the half texel, which each strip adds."""
+def _row(lut, inputs, backfacing, rows, height):
+    """v of strip 0 without the half texel, which each strip adds: a value, or the number 0."""
     tau, side = None, backfacing
     if rows > 1:
         most, scale = _thickness_scale(lut, rows, height)
-        tau, side = side_graph.draw(graph, lut, inputs, backfacing, most)
+        tau, side = side_graph.draw(lut, inputs, backfacing, most)
     first = 0.0
     if len(lut.header["sides"]) > 1:
         strips = len(lut.header["closures"])
-        first = graph.math("MULTIPLY", "bottom side's strips", side, strips * rows / height)
+        first = (side * (strips * rows / height)).named("bottom side's strips")
     if rows == 1:
-        return graph.math("ADD", "v", first, 0.0)
-    shifted = graph.math("ADD", "tau + 1/2", tau, TAU_BEND)
-    share = graph.math("DIVIDE", "tau / (tau + 1/2)", tau, shifted)
-    row = graph.math("MULTIPLY", SCALE_LABEL, share, scale)
-    return graph.math("ADD", "v", row, first)
+        return first
+    return (tau / (tau + TAU_BEND) * scale).named(SCALE_LABEL) + first
 
 
 def _thickness_scale(lut, rows, height):

@@ -22,17 +22,17 @@ def points(graph, place, scale):
 
 
 def ramp(graph, label, value, first, last, start=-1.0):
-    """The socket of `start` at `first` and before, 1 at `last` and beyond, linear between."""
+    """`start` at `first` and before, 1 at `last` and beyond, linear between."""
     node = graph.node("ShaderNodeMapRange", label)
     node.clamp = True
     graph.link(value, node.inputs["Value"])
     for name, number in (("From Min", first), ("From Max", last), ("To Min", start), ("To Max", 1.0)):
         node.inputs[name].default_value = number
-    return node.outputs["Result"]
+    return graph.value(node.outputs["Result"])
 
 
 def parts(graph, vector):
-    """The sockets of the three parts of a vector or color."""
+    """The three parts of a vector or color."""
     node = graph.node("ShaderNodeSeparateXYZ", "parts")
     graph.link(vector, node.inputs[0])
-    return tuple(node.outputs)
+    return [graph.value(socket) for socket in node.outputs]

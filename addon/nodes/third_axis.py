@@ -7,10 +7,12 @@ unless no layer varies."""
 
 from dataclasses import dataclass
 
+from .expression import clamped, floor, minimum
+
 
 @dataclass(frozen=True)
 class Around:
-    """`corners`: the places (u, v) in the rows below and above, as sockets, or one for both; `places`:
+    """`corners`: the places (u, v) in the rows below and above, or one for both; `places`:
     v alone of them; `share`: that of the one above, or None."""
 
     corners: tuple
@@ -24,26 +26,16 @@ def around(graph, inputs, corner, v, count, step, is_alone):
     no layer varies, and the image itself interpolates between roughnesses: there is only one place."""
     if count < 2:
         return Around((corner,), (v,), None)
-    share = graph.math("ADD", "from 0 to 1", inputs.outputs["Roughness"], 0.0, clamp=True)
-    place = graph.math("MULTIPLY", "roughness row", share, float(count - 1))
+    place = (clamped(inputs["Roughness"]) * float(count - 1)).named("roughness row")
     if is_alone:
-        up = graph.math("MULTIPLY", "v", place, step)
-        only = graph.node("ShaderNodeCombineXYZ", "v of the roughness")
-        graph.link(up, only.inputs[1])
-        corner = graph.vector("ADD", "row", corner, only.outputs[0])
-        return Around((corner,), (graph.math("ADD", "v of the row", v, up),), None)
+        up = place * step
+        return Around((corner + graph.combined("v of the roughness", 0.0, up),), (v + up,), None)
     return between(graph, place, corner, v, count, step)
 
 
 def between(graph, place, corner, v, count, step):
     """The places around the row `place`, from 0 to count - 1, of the third axis of a table."""
-    whole = graph.math("FLOOR", "whole", place)
-    below = graph.math("MINIMUM", "row below", whole, float(count - 2))
-    share = graph.math("SUBTRACT", "share of the row above", place, below)
-    lower = graph.node("ShaderNodeCombineXYZ", "v of the row below")
-    up = graph.math("MULTIPLY", "v", below, step)
-    graph.link(up, lower.inputs[1])
-    first = graph.vector("ADD", "row below", corner, lower.outputs[0])
-    second = graph.vector("ADD", "row above", first, (0.0, step, 0.0))
-    low = graph.math("ADD", "v below", v, up)
-    return Around((first, second), (low, graph.math("ADD", "v above", low, step)), share)
+    below = minimum(floor(place), float(count - 2)).named("row below")
+    up = below * step
+    first, low = corner + graph.combined("v of the row below", 0.0, up), v + up
+    return Around((first, first + (0.0, step, 0.0)), (low, low + step), place - below)

@@ -48,8 +48,8 @@ def has_boundary(material):
 
 
 def draw(graph, body, length):
-    """Add the nodes and return the sockets of the shader and of the volume. `length`: the socket with the
-    number of Blender units per millimetre."""
+    """Add the nodes and return the sockets of the shader and of the volume. `length`: the number of
+    Blender units per millimetre, a value."""
     surface = body.surface
     if surface.ior == 1.0:
         face = graph.node("ShaderNodeBsdfTransparent", "no boundary")
@@ -65,7 +65,7 @@ def draw(graph, body, length):
 
 def _volume(graph, medium, length):
     largest = max(*medium.sigma_s, *medium.sigma_a, 1e-12)
-    density = graph.math("DIVIDE", "in Blender units", largest, length)
+    density = (largest / length).named("in Blender units")
     scatter = graph.node("ShaderNodeVolumeScatter", "scattered")
     scatter.inputs["Color"].default_value = (*(value / largest for value in medium.sigma_s), 1.0)
     scatter.inputs["Anisotropy"].default_value = medium.g
