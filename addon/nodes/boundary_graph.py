@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A dielectric boundary over another shader, or over emitted light."""
 
-from . import mix_shader
 
 
 def over(graph, ior, alpha, shader):
     """The shader under a boundary of this index and facet width, which mirrors by Fresnel's equations."""
     share, mirror = reflectance(graph, ior), _mirror(graph, alpha)
-    return mix_shader.between(graph, "boundary over all else", share, shader, mirror)
+    return graph.mix_shaders("boundary over all else", share, shader, mirror)
 
 
 def beside(graph, share, alpha, shader):
     """The shader plus the light that such a boundary mirrors, for a shader that is already weakened by the
     boundary. `share`: that of `reflectance`."""
-    mirrored = mix_shader.weighted(graph, "mirrored light", share, _mirror(graph, alpha))
-    return mix_shader.added(graph, "with mirrored light", shader, mirrored)
+    mirrored = graph.weighted_shader("mirrored light", share, _mirror(graph, alpha))
+    return graph.add_shaders("with mirrored light", shader, mirrored)
 
 
 def reflectance(graph, ior):

@@ -1,22 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nodes of one table inside a material's group: a sum of closures, each weighted by its own strip, and
-what lies below the layers."""
+"""The nodes inside a material's group: those of its table, or of two tables, which the coverage of a film
+mixes. Those of a table are a sum of closures, each weighted by its own strip, and what lies below the
+layers."""
 
 import numpy as np
 
 from ..base import native
 from ..kinds.table import BASE, BASE_WEIGHT, PRINCIPLED, THROWN_BACK, Strip, is_covered, strips_of
 from . import (
+    base_graph,
     covered_graph,
     eevee_graph,
     lut_image,
-    mix_shader,
-    principled_graph,
-    shader_base_graph,
     sparkle_graph,
     table_view,
+    thin_sheet,
 )
 from .closure_directions import Directions, UnknownClosureError
+from .expression import clamped
+from .graph import Graph
+from .group_sockets import COVERAGE
 from .shape_sockets import Shapes
 from .strip_reader import Reader
 
@@ -32,7 +35,39 @@ def used_closures(lut):
     return [int(index) for index in used if int(index) in lobes] or lobes[:1]
 
 
-def draw(graph, table, image, recipe_of):
+def draw(tree, tables, image, recipe_of):
+    """Add the whole graph of the `tables` in `image`, see lut_image, to `tree`. `recipe_of(closure id)` ->
+    NodeRecipe. Returns the Graph.
+
+    Each table gets all nodes: Cycles merges nodes that are equal. Removes all added nodes if it fails. Raises
+    UnknownClosureError.
+    """
+    graph, shaders = Graph(tree), []
+    try:
+        for table in tables:
+            shaders.append(_draw_table(graph, table, image, recipe_of))
+        _output(graph, tables[0].lut, shaders)
+        graph.arrange()
+    except BaseException:
+        graph.remove_created()
+        raise
+    return graph
+
+
+def _output(graph, lut, shaders):
+    """Feed the group's output: the shader of the table, or its mixture with that without the film."""
+    total = shaders[0]
+    if len(shaders) > 1:
+        inputs = graph.values(graph.node("NodeGroupInput", folded=False))
+        coverage = clamped(inputs[COVERAGE]).named("coverage")
+        total = graph.mix_shaders("without or with the film", coverage, shaders[1], total)
+    output = graph.node("NodeGroupOutput", folded=False)
+    output.is_active_output = True
+    graph.link(total, output.inputs["Shader"])
+    thin_sheet.draw(graph, lut, output)
+
+
+def _draw_table(graph, table, image, recipe_of):
     """Add the nodes of one Table in `image`, see lut_image, to the Graph `graph`, and return its shader.
     `recipe_of(closure id)` -> NodeRecipe. Raises UnknownClosureError."""
     strips = strips_of(table.lut.header)
@@ -109,7 +144,7 @@ class _Drawing:
             if sparkle is not None and sparkle_graph.falls_apart(closure):
                 shader = sparkle.over(name, shapes.by_closure.get(name), weight, shader.node)
             if metal in totals:
-                shader = mix_shader.added(graph, "", totals[metal], shader)
+                shader = graph.add_shaders("", totals[metal], shader)
             totals[metal] = shader
         return totals
 
@@ -134,16 +169,16 @@ class _Drawing:
             graph.begin_frame("Principled BSDF below, as the layers leave it", BASE_COLOUR)
             if True in totals:
                 both = inputs["Metallic"], total, totals[True]
-                total = mix_shader.between(graph, "dielectric or metal", *both)
+                total = graph.mix_shaders("dielectric or metal", *both)
             held = reader.alpha(lut_image.holder_of_principled(self._lut), "w")
             weight = reader.of_both(principled, "w", held)
-            total = principled_graph.beside(graph, self._lut, inputs, self._view.normal, weight, total)
+            total = base_graph.with_principled(graph, self._lut, inputs, self._view.normal, weight, total)
         if shader_weight in self._strips:
             graph.begin_frame(
                 "Shader below, its light thrown back again and again: w / (1 - c r)", BASE_COLOUR)
             r, w = reader.of_both(Strip(role=THROWN_BACK), "r"), reader.of_both(shader_weight, "w")
-            weight = w / (1.0 - inputs[shader_base_graph.REFLECTANCE] * r)
-            total = shader_base_graph.over(graph, inputs, weight.named("w / (1 - c r)"), total)
+            weight = w / (1.0 - inputs[base_graph.REFLECTANCE] * r)
+            total = base_graph.with_shader(graph, inputs, weight.named("w / (1 - c r)"), total)
         return total
 
 

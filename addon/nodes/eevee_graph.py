@@ -8,7 +8,7 @@ out Eevee's closures before rendering.
 """
 
 from ..kinds.table import BASE
-from . import lut_image, mix_shader
+from . import lut_image
 from .expression import clamped
 
 LABEL = "Eevee"
@@ -43,7 +43,7 @@ def is_eevee(graph):
 def totals(graph, lut, eevee, texels, factors, normal, incoming):
     """{whether of a metal: shader} of the closures of `eevee`, a RealTimeTable.
 
-    `texels`: eevee_lookup.Texels. `factors`: of the strips, by role and metal."""
+    `texels`: strip_reader.Texels. `factors`: of the strips, by role and metal."""
     found = {}
     for number, strip in enumerate(eevee.strips):
         weight, *roughness = texels.read(lut_image.eevee_strip(lut, number), f"{LABEL} {strip.name}",
@@ -52,14 +52,14 @@ def totals(graph, lut, eevee, texels, factors, normal, incoming):
             weight = weight * factors[BASE, strip.metal]
         shader = _closure(graph, strip.closure, weight, roughness, normal, incoming)
         if strip.metal in found:
-            shader = mix_shader.added(graph, "", found[strip.metal], shader)
+            shader = graph.add_shaders("", found[strip.metal], shader)
         found[strip.metal] = shader
     return found
 
 
 def chosen(graph, chooser, cycles, eevee):
     """The shader `cycles` in Cycles, the shader `eevee` in Eevee. `chooser`: the socket of `is_eevee`."""
-    shader = mix_shader.between(graph, "Cycles or Eevee", 0.0, cycles, eevee)
+    shader = graph.mix_shaders("Cycles or Eevee", 0.0, cycles, eevee)
     graph.link(chooser, shader.node.inputs[0])
     return shader
 

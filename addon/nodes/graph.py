@@ -73,6 +73,25 @@ class Graph:
             self.set(sockets[name], value)
         return self.value(sockets[f"Result_{end}"])
 
+    def mix_shaders(self, label, factor, first, second):
+        """The shader `first` at the factor 0, and `second` at 1. `factor`: a number, a value or a socket."""
+        node = self.node("ShaderNodeMixShader", label)
+        for target, given in zip(node.inputs, (factor, first, second), strict=True):
+            if given is not None:
+                self.set(target, given)
+        return node.outputs[0]
+
+    def weighted_shader(self, label, weight, shader):
+        """The shader times `weight`, from 0 to 1: its mixture with no shader."""
+        return self.mix_shaders(label, weight, None, shader)
+
+    def add_shaders(self, label, first, second):
+        """The sum of two shaders."""
+        node = self.node("ShaderNodeAddShader", label)
+        self.link(first, node.inputs[0])
+        self.link(second, node.inputs[1])
+        return node.outputs[0]
+
     def link(self, output, target):
         """Link a value or an output socket to `target`."""
         self.tree.links.new(output.socket if isinstance(output, Value) else output, target)

@@ -10,7 +10,7 @@ import bpy
 
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import BASE_WEIGHT, THROWN_BACK, Strip, strips_of
-from . import principled, principled_graph, shader_base_graph, side_graph, sparkle_graph
+from . import base_graph, principled, side_graph, sparkle_graph
 from .graph import rgba
 
 COVERAGE, TANGENT = "Coverage", principled.TANGENT
@@ -30,8 +30,8 @@ INPUTS = (
     ("Base Color", _COLOR, "Color of the base, linear; what the layers do to it is exact"),
     ("Metallic", _NUMBER, "0 is a dielectric base, 1 is a metal"),
     ("Roughness", _NUMBER, "Microfacet roughness of the base"),
-    (shader_base_graph.SHADER, _SHADER, "The shader below the layers"),
-    (shader_base_graph.REFLECTANCE, _COLOR,
+    (base_graph.SHADER, _SHADER, "The shader below the layers"),
+    (base_graph.REFLECTANCE, _COLOR,
      "Mean reflectance of the shader below: its color, or the mean of its colors"),
     (sparkle_graph.SPARKLE, _NUMBER, "Share of the flakes' light that single flakes throw: 0 is none, 1 all"),
     (sparkle_graph.SIZE, _NUMBER, "Distance between single flakes in the world"),
@@ -55,9 +55,9 @@ def of_table(lut):
 def _of_base(lut):
     strips, base = strips_of(lut.header), lut.header["stack"]["base"]
     if Strip(role=BASE_WEIGHT) in strips:
-        return {shader_base_graph.SHADER: None, shader_base_graph.REFLECTANCE: rgba(base["reflectance"])}
+        return {base_graph.SHADER: None, base_graph.REFLECTANCE: rgba(base["reflectance"])}
     if base is not None and base["kind"] == PrincipledBase.kind:
-        return {principled.SOCKETS[name]: principled_graph.value(name, base[name])
+        return {principled.SOCKETS[name]: base_graph.value(name, base[name])
                 for name in base.get("inputs", ())}
     return {"Base Color": rgba(base["reflectance"])} if Strip(role=THROWN_BACK) in strips else {}
 

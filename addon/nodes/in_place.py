@@ -6,7 +6,7 @@ alpha are made again by plain nodes behind the layers.
 """
 
 from ..kinds.bases import PrincipledBase, ShaderBase
-from . import before, links, mix_shader, own_nodes, principled, shader_base_graph, socket_animation
+from . import base_graph, before, links, own_nodes, principled, socket_animation
 from .graph import COLUMN, ROW, Graph
 
 # Inputs of the layers' node that a Principled BSDF has too.
@@ -85,7 +85,7 @@ def _replace_after(tree, node, given):
         tree.links.new(shader, target)
 
 
-def feed(material, node, names=(*_SHARED, shader_base_graph.SHADER)):
+def feed(material, node, names=(*_SHARED, base_graph.SHADER)):
     """Give those inputs `names` that the layers' node `node` has what the shader below the layers has: the
     links, values and animations of a Principled BSDF, or the shader itself."""
     kind, kept = material.lamina.base.kind, before.kept(material.node_tree)
@@ -95,7 +95,7 @@ def feed(material, node, names=(*_SHARED, shader_base_graph.SHADER)):
             continue
         if given is not None and name in _SHARED:
             _carry(given.inputs[name], node.inputs[name])
-        elif kind == ShaderBase.kind and name == shader_base_graph.SHADER:
+        elif kind == ShaderBase.kind and name == base_graph.SHADER:
             links.connect(kept, node.inputs[name])
 
 
@@ -110,11 +110,11 @@ def _with_emission_and_alpha(tree, node, replaced):
             left, strength = _below_coat(graph, replaced)
             graph.link(left, emission.inputs["Strength"])
         _carry(replaced.inputs[principled.STRENGTH], strength)
-        shader = mix_shader.added(graph, "With emission", shader, emission.outputs[0])
+        shader = graph.add_shaders("With emission", shader, emission.outputs[0])
     if principled.is_cut_out(replaced):
         clear = graph.node("ShaderNodeBsdfTransparent", "Nothing")
         alpha = replaced.inputs[principled.ALPHA]
-        shader = mix_shader.between(graph, "Alpha", alpha.default_value, clear.outputs[0], shader)
+        shader = graph.mix_shaders("Alpha", alpha.default_value, clear.outputs[0], shader)
         _carry(alpha, shader.node.inputs[0])
     for made in graph.created:
         own_nodes.mark(made)

@@ -13,9 +13,9 @@ from ..base import image_removal, native, renders
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import PRINCIPLED, Strip, strips_of
 from . import (
+    base_graph,
     before,
     closure_graph,
-    group_graph,
     group_sockets,
     in_place,
     links,
@@ -23,7 +23,6 @@ from . import (
     node_tree,
     own_nodes,
     principled,
-    principled_graph,
     side_graph,
     sparkle_graph,
     table_view,
@@ -53,7 +52,7 @@ def build(material, lut):
     added = group_sockets.add_missing(group, tau, base)
     is_thin = thin_sheet.add_missing(group, lut)
     try:
-        group_graph.draw(group, tables, image, recipe_of)
+        closure_graph.draw(group, tables, image, recipe_of)
     except BaseException:
         image_removal.remove(image)
         group_sockets.remove(group, added)
@@ -88,7 +87,7 @@ def build(material, lut):
         for node in group_nodes(material)[:1]:
             in_place.settle_after(material, node)
     group["lamina_base_kind"] = kind
-    principled_graph.keep_facets(group, _replaced(material))
+    base_graph.keep_facets(group, _replaced(material))
     for node in group_nodes(material):
         thin_sheet.connect(material, node)
     return group
@@ -121,7 +120,7 @@ def update(material, lut):
         group_sockets.follow_thickness(group, old_tau, tau)
     group_sockets.follow_base(group, base)
     _replace_images(images, lut_image.create(f"Lamina {material.name}", tables))
-    principled_graph.keep_facets(group, _replaced(material))
+    base_graph.keep_facets(group, _replaced(material))
     _note_origin(group, lut)
     return True
 

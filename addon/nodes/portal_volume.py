@@ -10,7 +10,6 @@ Diffuse closure with the material's albedo instead."""
 
 import numpy as np
 
-from . import mix_shader
 from .expression import maximum, modulo
 
 
@@ -29,9 +28,9 @@ def with_volume(graph, tables, unit, light_path, portal, chance):
     local = graph.node("ShaderNodeBsdfDiffuse", "seen through one face")
     local.inputs["Color"].default_value = (*rgb(tables.albedo), 1.0)
     chosen = (chance < tables.entering).named("enters")
-    shader = mix_shader.between(graph, "volume or portal", chosen, portal, enter.outputs[0])
+    shader = graph.mix_shaders("volume or portal", chosen, portal, enter.outputs[0])
     indirect = maximum(inside, scatterings).named("or scattered before")
-    shader = mix_shader.between(graph, "seen through one face", indirect, shader, local.outputs[0])
+    shader = graph.mix_shaders("seen through one face", indirect, shader, local.outputs[0])
     here = _or_shadow(light_path, inside)
     return shader, _volume(graph, tables.first, unit, here, scatterings)
 
@@ -41,7 +40,7 @@ def behind(graph, light_path, portal):
     through = graph.node("ShaderNodeBsdfTransparent", "out of the volume")
     through.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     inside = _or_shadow(light_path, _is_inside(light_path))
-    return mix_shader.between(graph, "volume or portal", inside, portal, through.outputs[0])
+    return graph.mix_shaders("volume or portal", inside, portal, through.outputs[0])
 
 
 def _volume(graph, first, unit, here, scatterings):
@@ -60,7 +59,7 @@ def _volume(graph, first, unit, here, scatterings):
     lost = done * rgb(-medium.sigma_s / largest) + rgb(1.0 - medium.sigma_a / largest)
     graph.link(lost.named("all that is lost"), absorb.inputs["Color"])
     graph.link(density, absorb.inputs["Density"])
-    return mix_shader.added(graph, "the volume", scatter.outputs[0], absorb.outputs[0])
+    return graph.add_shaders("the volume", scatter.outputs[0], absorb.outputs[0])
 
 
 def _is_inside(light_path):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import boundary_graph, mix_shader
+from . import boundary_graph
 
 
 def draw(graph, inputs, length, texels=None):
@@ -15,8 +15,8 @@ def draw(graph, inputs, length, texels=None):
     shader = _walk(graph, "walk", inputs, "", length, texels)
     if inputs.extra_weight > 0.0:
         lost = _walk(graph, "light that the walk loses", inputs, "extra_", length, texels)
-        share = mix_shader.weighted(graph, "its share", inputs.extra_weight, lost)
-        shader = mix_shader.added(graph, "all that leaves", shader, share)
+        share = graph.weighted_shader("its share", inputs.extra_weight, lost)
+        shader = graph.add_shaders("all that leaves", shader, share)
     if inputs.has_boundary:
         shader = boundary_graph.over(graph, inputs.ior, inputs.roughness, shader)
     return shader, None

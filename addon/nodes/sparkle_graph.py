@@ -21,7 +21,7 @@ import math
 from ..kinds.bases import LEAST_ALPHA
 from ..kinds.flakes import Flakes
 from ..kinds.table import strips_of
-from . import mix_shader, rest_coordinates, texture_graph
+from . import rest_coordinates, texture_graph
 from .expression import clamped, cosine, cross, dot, maximum, minimum, normalized, reflected, sign, sine, sqrt
 from .shape_sockets import Shape
 
@@ -107,7 +107,7 @@ class Sparkle:
             socket.hide = not socket.is_linked
         graph.frame = outer
         shaders = node.outputs[0], cell.outputs[0]
-        return mix_shader.between(graph, "lobe or cells", self._share, *shaders)
+        return graph.mix_shaders("lobe or cells", self._share, *shaders)
 
 
 class _Facets:

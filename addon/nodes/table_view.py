@@ -12,13 +12,16 @@ import math
 from typing import NamedTuple
 
 from ..kinds.table import TAU_BEND
-from . import azimuth_graph, side_graph
-from .expression import arccosine, dot, length, normalized
+from . import side_graph
+from .expression import arccosine, arctangent, cross, dot, floored_modulo, length, normalized
+from .graph import NEVER_ZERO
+from .group_sockets import TANGENT
 
 SCALE_LABEL = "rows"
 ANGLE_COLOUR = (0.16, 0.24, 0.34)
 NORMAL_COLOUR = (0.20, 0.20, 0.36)
 ROW_COLOUR = (0.18, 0.30, 0.24)
+_LEAST = 1e-9  # radians that no one sees
 
 
 class View(NamedTuple):
@@ -42,6 +45,11 @@ def roughness_rows(lut):
     return lut.header["axes"].get("roughness", {}).get("count", 1)
 
 
+def azimuths(lut):
+    """The number of azimuths of the table, 1 for an isotropic stack."""
+    return lut.header["axes"].get("azimuth", {}).get("count", 1)
+
+
 def largest_tau(lut):
     """The varying layer's optical thickness at the last row, or None if no layer varies."""
     axis = lut.header["axes"]["tau"]
@@ -62,10 +70,10 @@ def draw(graph, lut, height):
     angle = arccosine(cosine).named("view angle")
     graph.begin_frame("Thickness and side to row v", ROW_COLOUR)
     v, tangent, turn = _row(lut, inputs, geometry["Backfacing"], rows, height), None, None
-    if azimuth_graph.rows(lut) > 1:
+    if azimuths(lut) > 1:
         graph.begin_frame("Azimuth of the view from the tangent to row v", ROW_COLOUR)
-        tangent, azimuth = azimuth_graph.draw(graph, lut, inputs, normal, incoming)
-        per_radian = (azimuth_graph.rows(lut) - 1) / math.pi
+        tangent, azimuth = _tangent_and_azimuth(graph, lut, inputs, normal, incoming)
+        per_radian = (azimuths(lut) - 1) / math.pi
         if rows == 1:
             v = (azimuth * (per_radian / height) + v).named("v of the azimuth")
         else:
@@ -79,6 +87,27 @@ def normal_of(graph, given, own):
     """The group's Normal input, or the surface's normal while nothing is linked to it (a zero vector)."""
     is_given = (length(given) > 0.5).named("is given")
     return normalized(graph.mix("VECTOR", "normal", is_given, own, given)).named("N")
+
+
+def _tangent_and_azimuth(graph, lut, inputs, normal, incoming):
+    """(the unit tangent of the table's first row, the azimuth of the view from it in [0, pi)).
+
+    The group's input Tangent may hold any vector, such as that of Cycles' Tangent node. An empty input means
+    the direction in which u of the active UV map grows. Facets look the same after half a turn, so the sign
+    of the tangent does not matter, and azimuths are those in half a turn."""
+    given = inputs[TANGENT]
+    own = graph.node("ShaderNodeTangent", "along u of the UV map")
+    own.direction_type = "UV_MAP"
+    is_given = (length(given) > 1e-3).named("is given")
+    chosen = graph.mix("VECTOR", "tangent", is_given, own.outputs[0], given) + NEVER_ZERO
+    across = normalized(cross(normal, chosen)).named("B")
+    along = cross(across, normal).named("T")
+    turn = lut.header["axes"]["azimuth"]["tangent"]
+    if turn > _LEAST:
+        cosine, sine = math.cos(turn), math.sin(turn)
+        along, across = along * cosine + across * sine, across * cosine - along * sine
+    azimuth = arctangent(dot(incoming, across), dot(incoming, along))
+    return along, floored_modulo(azimuth, math.pi).named("in half a turn")
 
 
 def _row(lut, inputs, backfacing, rows, height):

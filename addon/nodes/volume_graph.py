@@ -5,8 +5,6 @@ of all shapes, also for deforming meshes and instances; noisy where light is sca
 from math import ceil, log
 from typing import NamedTuple
 
-from . import mix_shader
-
 MOST = 1024  # volume bounces of Cycles, at most
 _GLASS = "ShaderNodeBsdfGlass"
 _LOST = 0.002  # of the light of a body without end, by paths that end after the bounces
@@ -74,4 +72,4 @@ def _volume(graph, medium, length):
     absorb.inputs["Color"].default_value = (*(1.0 - value / largest for value in medium.sigma_a), 1.0)
     for node in (scatter, absorb):
         graph.link(density, node.inputs["Density"])
-    return mix_shader.added(graph, "the volume", scatter.outputs[0], absorb.outputs[0])
+    return graph.add_shaders("the volume", scatter.outputs[0], absorb.outputs[0])

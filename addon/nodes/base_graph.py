@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Principled BSDF of a base, inside the group. Its values come from the stack or from the group's inputs;
-its weight is the share of its light that the layers neither scatter nor absorb."""
+"""The shader of a base below the layers, inside the group: a Principled BSDF, or another shader, which the
+group's input gives. The values of the BSDF come from the stack or from the group's inputs; its weight is the
+share of its light that the layers neither scatter nor absorb."""
 
-from . import mix_shader, principled
+from . import principled
 from .graph import NEVER_ZERO, rgba
 
+SHADER = "Base"  # the group's inputs
+REFLECTANCE = "Base Reflectance"
 _LABEL = "base"
 
 
-def beside(graph, lut, inputs, normal, weight, layers):
+def with_principled(graph, lut, inputs, normal, weight, layers):
     """The shader `layers` plus the BSDF times `weight`, a value with equal channels. `inputs`: the group's,
     by name."""
     base = lut.header["stack"]["base"]
@@ -25,8 +28,8 @@ def beside(graph, lut, inputs, normal, weight, layers):
         graph.link(normal, bsdf.inputs["Coat Normal"])
     for socket in bsdf.inputs:
         socket.hide = not socket.is_linked
-    weighted = mix_shader.weighted(graph, "weighted", weight, bsdf.outputs[0])
-    return mix_shader.added(graph, "layers and base", layers, weighted)
+    weighted = graph.weighted_shader("weighted", weight, bsdf.outputs[0])
+    return graph.add_shaders("layers and base", layers, weighted)
 
 
 def keep_facets(group, replaced):
@@ -45,3 +48,14 @@ def value(name, channels):
     """The value of the socket for a quantity of PrincipledBase, given as in the table's header: a list of one
     number, or of one per channel."""
     return rgba(channels) if name == "color" else float(channels[0])
+
+
+def with_shader(graph, inputs, weight, layers):
+    """The shader `layers`, the layers' own light, plus the shader of the input SHADER times `weight`.
+
+    The weight, a color, is made grey, because Cycles has no colored weights of shaders.
+    `inputs`: the group's, by name."""
+    grey = graph.node("ShaderNodeRGBToBW", "grey")
+    graph.link(weight, grey.inputs[0])
+    weighted = graph.weighted_shader("weighted base", grey.outputs[0], inputs[SHADER])
+    return graph.add_shaders("layers and base", layers, weighted)
