@@ -42,8 +42,12 @@ def too_thin(obj, material, depsgraph, millimetre):
     if not thickness < LEAST * reach:
         return ""
     off = _OFF.get(material.lamina.lateral_shown, _OFF["PORTAL"])  # files of 0.1.0 note portals alone
+    kinds = [layer.kind for layer in material.lamina.layers]
+    # Other methods follow light through one medium below at most one interface.
+    is_followed = kinds.count("medium") == 1 and kinds.count("interface") <= 1
+    others = ". Choose Volume, or Exact" if is_followed else ""
     return (f"{obj.name} is {thickness:.3g} mm thick in thin parts, and light travels {reach:.3g} mm on "
-            f"average: light from behind may be off by {off} %. Choose Volume, or Exact")
+            f"average: light from behind may be off by {off} %{others}")
 
 
 def thin_part(evaluated):

@@ -20,10 +20,10 @@ def create(name, texels):
     return image
 
 
-def black(name, size, float_buffer=False):
-    """A new black and opaque image of `size` x `size` texels. It has no user yet."""
+def plain(name, size, value=0.0, float_buffer=False):
+    """A new opaque image of `size` x `size` texels of this value. It has no user yet."""
     image = bpy.data.images.new(name, size, size, alpha=False, float_buffer=float_buffer, is_data=True)
-    texels = np.zeros((size * size, 4), np.float32)
+    texels = np.full((size * size, 4), value, np.float32)
     texels[:, 3] = 1.0
     image.pixels.foreach_set(texels.ravel())  # a generated image without assigned pixels cannot be packed
     image.update()

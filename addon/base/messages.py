@@ -32,7 +32,7 @@ _LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
 _BASE = re.compile(r"^base" + _FIELD, re.DOTALL)
 _KNOT = re.compile(r"profile\[(\d+)\]\.?(.*)$")
 _ENDS = {"0": "top", "1": "bottom"}  # of the panel's profiles; imported ones are valid
-_CHANNELS = ("red", "green", "blue")
+CHANNELS = ("red", "green", "blue")
 
 
 class RefusedError(ValueError):
@@ -127,4 +127,4 @@ def _field(field, channel, known):
     if knot:
         return f", {_ENDS.get(knot.group(1), 'profile')}{_field(knot.group(2), channel, known)}"
     words = known.get(field) or field.replace("phase.", "phase function ", 1).replace("_", " ")
-    return f", {words}" + (f" ({_CHANNELS[int(channel)]})" if channel and int(channel) < 3 else "")
+    return f", {words}" + (f" ({CHANNELS[int(channel)]})" if channel and int(channel) < 3 else "")

@@ -29,6 +29,9 @@ def main(argv):
         return _complain(f"{error}; see: --command lamina --help", USAGE)
     except SystemExit as stop:  # --help
         return stop.code or OK
+    unread = _unread_file()
+    if unread:
+        return _complain(f"{unread}: Blender could not read this file", USAGE)
     migration.migrate_all()
     try:
         if given.command == "list":
@@ -40,6 +43,13 @@ def main(argv):
         return _complain(error, FAILED)
     except KeyboardInterrupt:
         return _complain("interrupted: nothing was saved", INTERRUPTED)
+
+
+def _unread_file():
+    """The .blend file among Blender's own arguments that it could not read, or ''; Blender goes on then."""
+    own = sys.argv[:sys.argv.index("--command")] if "--command" in sys.argv else []
+    files = [word for word in own if word.endswith(".blend")]
+    return files[-1] if files and not bpy.data.filepath else ""
 
 
 def _complain(sentence, code):

@@ -5,16 +5,22 @@ import concurrent.futures
 import signal
 import sys
 import threading
+import time
 
 WIDTH = 66  # of the line of progress
+SELDOM = 30.0  # seconds between lines where there is no terminal
 
 
 def for_job(job):
     """Wait for a base.worker.Worker. On Ctrl-C, the work is cancelled, and KeyboardInterrupt raised."""
+    told = time.monotonic()
     try:
         while not job.done:
             job.wait(0.1)
             _show(f"{job.fraction:4.0%} {job.text}")
+            if not sys.stderr.isatty() and time.monotonic() - told > SELDOM:
+                told = time.monotonic()
+                print(f"lamina: {job.fraction:.0%} {job.text}", file=sys.stderr, flush=True)
     except KeyboardInterrupt:
         job.cancel()
         job.wait()

@@ -36,7 +36,8 @@ def remove_stack(material):
     if material.node_tree is not None:
         thickness.remove_nodes(material.node_tree)
     dust_detail.remove_unused()
-    material.pop(detail_wiring.WANTED, None)
+    for key in (detail_wiring.WANTED, thickness.EVEN, *thickness.KEPT.values()):
+        material.pop(key, None)
     changes.removed(material)
     material.property_unset("lamina")
 

@@ -38,6 +38,9 @@ _LABELS = {
     "coverage uv": "Coverage UV map",
 }
 INPUTS = {FRONT: "", COVERAGE: "coverage "}  # inputs that a source feeds: before the marks of its nodes
+# Keys of a material: the last image of an input that something else feeds now; the thickness while even
+KEPT = {FRONT: "lamina_kept_thickness", COVERAGE: "lamina_kept_coverage"}
+EVEN = "lamina_even_thickness"
 _MISSING = {
     FRONT: "The material has no thickness input: choose the place of a layer in the panel Where",
     COVERAGE: "The material has no coverage input: choose Painted of an interface in the panel Where",
@@ -242,7 +245,7 @@ def read_by(tree, texture, beside, uv_map, mark=""):
 def _image(material, wanted, what):
     """The wanted image, set up to hold numbers, or a new black one. Raises RefusedError."""
     if not wanted:
-        image = data_image.black(f"{material.name} {what}".rstrip(), IMAGE_SIZE, float_buffer=True)
+        image = data_image.plain(f"{material.name} {what}".rstrip(), IMAGE_SIZE, float_buffer=True)
     else:
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
     if image is None:

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The list of layers, the base, and what was imported into them."""
 
+import re
+
 import bpy
 
-from ..base import native
+from ..base import messages, native
+from ..base.messages import CHANNELS, RefusedError
 from ..editing import layer_list, matched_colors, metals
 from ..properties.layer_properties import LAYER_KINDS
 from ..stack_json import coats, phases, profiles
@@ -212,8 +215,18 @@ class LAMINA_OT_match_colors(bpy.types.Operator):
             else:
                 matched_colors.match_coats(layer, self.once, self.twice, self.over, self.times)
         except (ValueError, native.NativeMissingError) as error:
-            return common.refused(self, error)
+            return common.refused(self, RefusedError(self._in_words(messages.sentence(error))))
+        self.report({"INFO"}, f"“{layer.name}” has the albedo and the thickness of these colors")
         return {"FINISHED"}
+
+    def _in_words(self, text):
+        """A sentence of the core with the names of the dialog: 'once[0]' -> 'One Coat (red)'."""
+
+        def named(match):
+            name, channel = match.groups()
+            return self.bl_rna.properties[name].name + (f" ({CHANNELS[int(channel)]})" if channel else "")
+
+        return re.sub(r"\b(over_black|over_white|once|twice|over)\b(?:\[(\d)\])?", named, text)
 
 
 class LAMINA_OT_metal(bpy.types.Operator):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import messages, native, preferences
+from ..base import messages, native, preferences, rendered
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
 from ..editing import layer_list, over_material, stack_io
@@ -46,28 +46,34 @@ class Bake(NamedTuple):
 class Gathered:
     """What is to be done. tasks: of the settling. bakes: {uid of a material: its Bake with dust}, where a
     layer or a bake is missing; the uid None stands for a new material for faces without one. notes: sentences
-    on what gets no dust. cover: gives a material its layer, and returns what was added: a value of MARK, or
-    None."""
+    on what gets no dust. shapes: names of curves, texts and the like, which hold no dust. cover: gives a
+    material its layer, and returns what was added: a value of MARK, or None."""
 
     tasks: list
     bakes: dict
     notes: list = field(default_factory=list)
+    shapes: list = field(default_factory=list)
     cover: Callable = lambda material: _cover(material)
 
 
 @dataclass
 class Done:
-    """The objects that are dusty now, the number of bakes, and sentences on what got no dust."""
+    """The objects that are dusty now, the number of bakes, sentences on what got no dust, and the names of
+    curves, texts and the like."""
 
     objects: list
     bakes: int
     notes: list
+    shapes: list
 
     def __str__(self):
         count = len(self.objects)
         said = [f"Dust lies on {count} object{'s' * (count != 1)}"]
         if self.bakes:
             said.append(f"{self.bakes} bake{'s' * (self.bakes != 1)}")
+        if self.shapes:
+            why = "is no mesh, and holds" if len(self.shapes) == 1 else "are no meshes, and hold"
+            said.append(f"{', '.join(self.shapes)} {why} no dust")
         return "; ".join([*said, *self.notes])
 
 
@@ -92,8 +98,10 @@ def gather(context, objects):
     sentence = object_dust.unavailable()
     if sentence:
         raise RefusedError(sentence)
-    notes, dusty = [], []
+    notes, dusty, shapes = [], [], []
     for obj in objects:
+        if obj.type in rendered.SHAPES - {"MESH"}:
+            shapes.append(obj.name)
         if obj.type != "MESH" or not len(obj.data.polygons):
             continue
         sentence = object_dust.problem(obj)
@@ -102,6 +110,7 @@ def gather(context, objects):
         else:
             dusty.append(obj)
     if not dusty:
+        notes += [f"{name} is no mesh: convert it (Object > Convert > Mesh)" for name in shapes]
         raise RefusedError(notes[0] if notes else "There is no mesh object for dust to settle on")
     bakes = {}
     for obj in dusty:
@@ -117,7 +126,7 @@ def gather(context, objects):
                 bakes[uid] = None
                 notes.append(_note(error, material))
     bakes = {uid: bake for uid, bake in bakes.items() if bake is not None}
-    return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)))
+    return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)), shapes)
 
 
 class DustingJob(Worker):
@@ -296,7 +305,7 @@ def finish(gathered, found):
                 done.append(obj)
         except Exception as error:
             notes.append(f"{task.name}: {messages.sentence(_expected(error))}")
-    return Done(done, len(luts), list(dict.fromkeys(notes)))
+    return Done(done, len(luts), list(dict.fromkeys(notes)), gathered.shapes)
 
 
 def _fill_slots(obj, new):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import messages, preferences, unwrap, uv_maps
+from ..base import data_image, messages, preferences, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
@@ -42,7 +42,7 @@ _OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE),
 # Inputs of the node group, for a varying layer of this kind
 INPUTS = {"medium": FRONT, "flakes": FRONT, "fibers": FRONT, "interface": COVERAGE}
 RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
-USUAL = 1.0  # most optical thickness of an even layer after another place: at 4 a layer hides all below
+USUAL = 1.0  # optical thickness of a layer that was never even: at 4 a layer hides all below
 _SAME = "The layer is the same everywhere"
 
 
@@ -124,8 +124,10 @@ def gather(context, material, choice):
         raise RefusedError(f"A layer of this kind has no place “{place.capitalize()}”")
     obj, tasks, bakes = _object(choice), [], {}
     if place != EVEN:
-        if obj is None or obj.type != "MESH" or all(slot.material != material for slot in obj.material_slots):
+        if obj is None or all(slot.material != material for slot in obj.material_slots):
             raise RefusedError("Select a mesh object that has this material")
+        if obj.type != "MESH":
+            raise RefusedError(f"{obj.name} is no mesh: convert it (Object > Convert > Mesh)")
         if _needs_bake(material, layer, place):
             bakes[material.session_uid] = _bake(material, choice)
     if place == SETTLED:
@@ -144,27 +146,56 @@ def _finish(material, choice, gathered, found):
     if _object(choice) is None and choice.place != EVEN:
         raise RefusedError("The object was removed meanwhile")
     before = thickness.wiring(material, INPUTS[layer.kind]).source
+    _keep(material, layer)
     if choice.place == SETTLED and before == "custom":
         thickness.wire_thickness(material, "value", replace=True, to=INPUTS[layer.kind])
     done = dusting.finish(gathered, found)
     if choice.place == SETTLED:
         if layer.kind == "interface":
             object_dust.wire(_object(choice), material, COVERAGE)
-        return "; ".join([f"{layer.name} lies on {_object(choice).name}", *done.notes])
+        return "; ".join([f"{layer.name} lies on {_object(choice).name}", *done.notes, *_bare(material)])
     put_layer = _put_film if layer.kind == "interface" else _put_medium
     return put_layer(_object(choice), layer, choice.place, before)
+
+
+def _bare(material):
+    """A sentence if other objects with the material show nothing of a layer that settles."""
+    bare = [obj.name for obj in bpy.data.objects if obj.type == "MESH" and not obj.lamina_dust.told
+            and any(slot.material == material for slot in obj.material_slots)]
+    if not bare:
+        return []
+    more = f" and {len(bare) - 1} more" if len(bare) > 1 else ""
+    return [f"{bare[0]}{more} with this material: nothing has settled there yet, see Dust These Objects"]
+
+
+def _keep(material, layer):
+    """Keep in the material what the present place has, for the artist who comes back to this place: an image,
+    or the thickness of an even medium."""
+    name, now = INPUTS[layer.kind], of(material, layer)
+    wiring = thickness.wiring(material, name)
+    if now in (IMAGE, PAINTED) and wiring.source == "image" and wiring.node.image is not None:
+        material[thickness.KEPT[name]] = wiring.node.image
+    elif now == EVEN and layer.kind == "medium":
+        socket = wiring.socket if layer.varying else None
+        material[thickness.EVEN] = _range(layer) if socket is None else socket.default_value
 
 
 def _put_medium(obj, layer, place, before):
     """Feed the thickness of a varying medium, whose source was `before`."""
     material = layer.id_data
+    usual = min(_range(layer), material.get(thickness.EVEN, USUAL))
     if place == IMAGE:
-        thickness.wire_thickness(material, "image", uv_map=_uv_map(obj), replace=True)
-        return "Open an image of optical thickness in the panel"
+        image, told = material.pop(thickness.KEPT[FRONT], None), "The image that this layer had before"
+        if image is None:
+            name, size = f"{material.name} thickness", thickness.IMAGE_SIZE
+            image = data_image.plain(name, size, usual, float_buffer=True)
+            told = f"The new image holds the thickness {usual:.3g}: paint on it, or choose another one"
+        thickness.wire_thickness(material, "image", image, uv_map=_uv_map(obj), replace=True)
+        return told
     if thickness.has_input(material):
         socket = thickness.wire_thickness(material, "value", replace=True).socket
         if before in ("attribute", "image", "custom"):
-            socket.default_value = min(_range(layer), USUAL)
+            socket.default_value = usual
     if place == PAINTED:
         wiping.add_mask(obj, material)
         return "Wipe by Hand: white strokes wipe the layer off, black strokes bring it back"
@@ -185,7 +216,8 @@ def _put_film(obj, layer, place, before):
         return "Choose the amount and the size in the panel"
     if of(material, layer) != PAINTED:
         uv_map = _uv_map(obj)
-        thickness.wire_thickness(material, "image", uv_map=uv_map, replace=True, to=COVERAGE)
+        image = material.pop(thickness.KEPT[COVERAGE], None) or ""
+        thickness.wire_thickness(material, "image", image, uv_map, replace=True, to=COVERAGE)
     return "Paint by Hand: white strokes put the film on, black strokes take it off"
 
 

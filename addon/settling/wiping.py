@@ -49,7 +49,7 @@ def add_mask(obj, material, kept="AUTO"):
         return kept, before.image
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
     name = f"{obj.name} wiped"
-    node.image, node.extension = bpy.data.images.get(name) or data_image.black(name, IMAGE_SIZE), "EXTEND"
+    node.image, node.extension = bpy.data.images.get(name) or data_image.plain(name, IMAGE_SIZE), "EXTEND"
     detail_wiring.wipe_by(material, node, "Color", uv_map.name)
     return kept, node.image
 

@@ -229,3 +229,39 @@ def test_what_the_panel_offers(addon, place, plate, material, call):
     assert {"Amount", "Slope", "Wind", "Settle Again", "More", "How Much", "Where From", "Where To"} <= set(lines())
     choose(plate, call, "IMAGE")
     assert "UV Map" in lines()
+
+
+def test_an_image_and_an_even_thickness_come_back(addon, place, plate, material, call):
+    """The image that an artist has chosen has a user all the time, and is fed again; so is the even thickness."""
+    layer, thickness = material.lamina.layers[0], addon.nodes.thickness
+    choose(plate, call, "IMAGE")
+    new = thickness.wiring(material).node.image
+    assert new.pixels[0] == pytest.approx(0.3), "the layer looks as before"
+    own = bpy.data.images.new("mask", 8, 8, float_buffer=True, is_data=True)
+    thickness.wiring(material).node.image = own
+    for name in ("SETTLED", "PAINTED", "EVEN"):
+        choose(plate, call, name)
+        assert own.users == 1 and place.of(material, layer) == name
+        choose(plate, call, "IMAGE")
+        assert thickness.wiring(material).node.image == own and own.users == 1
+    choose(plate, call, "EVEN")
+    assert socket(addon, material).default_value == pytest.approx(0.3)
+
+
+def test_the_painted_coverage_comes_back(addon, place, plate, material, call):
+    addon.editing.layer_list.add_layer(material, "interface")
+    choose(plate, call, "PAINTED")
+    image = addon.nodes.thickness.wiring(material, "Coverage").node.image
+    for name in ("EVEN", "DROPS"):
+        choose(plate, call, name)
+        choose(plate, call, "PAINTED")
+        assert addon.nodes.thickness.wiring(material, "Coverage").node.image == image
+
+
+def test_other_objects_with_the_material_are_named(place, plate, material, call):
+    grid(material=material).name = "Table"
+    bpy.context.view_layer.objects.active = plate
+    job = place.start(bpy.context, material, "SETTLED")
+    job.wait()
+    said = job.finish()
+    assert said.endswith("Table with this material: nothing has settled there yet, see Dust These Objects")
