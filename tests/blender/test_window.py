@@ -47,8 +47,8 @@ def perform(blender, *story, timeout=600):
 
 @pytest.mark.parametrize("story", ["panel_drawn", "bake", "cancel", "update", "render", "preset_by_picture",
                                    "overlay_by_picture", "dust_these_objects", "places", "rain", "marble", "soft",
-                                   "undo_after_update", "undo_beside_interior", "beside_previews", "another_file",
-                                   "disabled"])
+                                   "undo_after_update", "undo_overlay", "undo_beside_interior", "beside_previews",
+                                   "another_file", "disabled"])
 def test_story(blender, story):
     assert f"story ended: {story}" in perform(blender, story)
 

@@ -247,6 +247,35 @@ def undo_after_update(panel):
     assert part("baking.bake_job").state(material) == "fresh" and part("nodes.node_group").is_whole(material)
 
 
+def undo_overlay(panel):
+    """Undo of an overlay, as after a click: the update that followed made a node group, and a step of its own."""
+    material = layered(panel)
+    layer = material.lamina.layers[0]
+    layer.varying = True
+    yield from baked(panel, material)
+    tree = material.node_tree
+    checker = tree.nodes.new("ShaderNodeTexChecker")
+    tree.links.new(checker.outputs["Fac"], part("nodes.thickness").group_sockets(material, "Thickness")[0])
+    push("layers")
+    picker, name = bpy.context.window_manager.lamina_picker, "snow"
+    before = [layer.name for layer in material.lamina.layers]
+    with window.on(panel):
+        picker.category = part("editing.presets").entry(name).category
+        picker.preset = name
+    push("click")
+    yield from at_rest()
+    material = bpy.context.object.active_material
+    assert [layer.name for layer in material.lamina.layers] != before
+    assert part("nodes.detail_wiring").detail(material) is not None
+    for _ in range(2):
+        with window.on(panel):
+            bpy.ops.ed.undo()
+        yield from at_rest()
+    material = bpy.context.object.active_material
+    assert [layer.name for layer in material.lamina.layers] == before, [one.name for one in material.lamina.layers]
+    check_images()
+
+
 def marble(panel):
     """Marble with veins in four clicks: the category, the picture, Veins, and Compute Interior."""
     yield from preset_by_picture(panel, "marble-polished")

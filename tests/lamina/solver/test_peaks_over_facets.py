@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Media with peaked phase functions over wide facets: solved with few nodes, and against walks. The sum over rays, which
-checks the solver, needs more rays there than between narrow lobes; with too few, such stacks were refused."""
+"""Media with peaked phase functions over wide facets: solved with few nodes, and against walks. The sum over rays,
+which checks the solver, needs more rays there than between narrow lobes; with too few, such stacks were refused."""
 
 import math
 
