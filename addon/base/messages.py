@@ -30,6 +30,7 @@ OWN_WORDS = {kind: {field.name: field.panel.words for field in all_fields(cls)
 _FIELD = r"(?:\.((?:[\w.]|\[\d+\](?=\.))+))?(\[(\d)\])?(.*)$"
 _LAYER = re.compile(r"^layers\[(\d+)\]" + _FIELD, re.DOTALL)
 _BASE = re.compile(r"^base" + _FIELD, re.DOTALL)
+_UNSOLVED = re.compile(r"^the stack cannot be resolved with \d+ nodes per hemisphere: (.*)$")
 _KNOT = re.compile(r"profile\[(\d+)\]\.?(.*)$")
 _ENDS = {"0": "top", "1": "bottom"}  # of the panel's profiles; imported ones are valid
 CHANNELS = ("red", "green", "blue")
@@ -80,7 +81,7 @@ def in_panel_words(text, material):
     if match and match.group(0)[4:5] in ("", ".", "[", " ", ":"):
         field, _, channel, rest = match.groups()
         return f"Base{_field(field, channel, WORDS)}{rest}"
-    return text
+    return _UNSOLVED.sub(r"These layers cannot be solved precisely enough: rougher surfaces help (\1)", text)
 
 
 def unusual_channels(values, where):

@@ -222,9 +222,11 @@ class LAMINA_OT_match_colors(bpy.types.Operator):
     def _in_words(self, text):
         """A sentence of the core with the names of the dialog: 'once[0]' -> 'One Coat (red)'."""
 
+        fields = self.properties.bl_rna.properties
+
         def named(match):
             name, channel = match.groups()
-            return self.bl_rna.properties[name].name + (f" ({CHANNELS[int(channel)]})" if channel else "")
+            return fields[name].name + (f" ({CHANNELS[int(channel)]})" if channel else "")
 
         return re.sub(r"\b(over_black|over_white|once|twice|over)\b(?:\[(\d)\])?", named, text)
 

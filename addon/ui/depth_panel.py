@@ -51,6 +51,8 @@ def _draw_soft(context, layout):
         draw_progress(layout, job, "LATERAL")
         return
     layout.operator("lamina.lateral", icon="LIGHT_HEMI")
+    if not material.lamina.lateral_report:
+        draw_sentence(context, layout, "Not computed yet: light stays at the surface")
     if material.lamina.lateral_report and not node_group.shows_lateral(material):
         layout.label(text="Not connected to the output", icon="UNLINKED")
         return

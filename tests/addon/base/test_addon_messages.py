@@ -23,6 +23,9 @@ SENTENCES = {
     "base.eta[0] = 0: must lie in [0.001, 100]": "Base, index n (red) = 0: must lie in [0.001, 100]",
     "schema = 9: this version reads up to 1": "schema = 9: this version reads up to 1",
     "baseline: odd": "baseline: odd",
+    "the stack cannot be resolved with 160 nodes per hemisphere: azimuth error 0.04 (allowed 0.01)": (
+        "These layers cannot be solved precisely enough: rougher surfaces help (azimuth error 0.04 (allowed 0.01))"
+    ),
 }
 
 

@@ -280,3 +280,11 @@ def test_control_c_leaves_nothing_half_done(addon, lamina, materials, tmp_path):
     assert "interrupted: nothing was saved" in error and "Traceback" not in error
     assert blend.read_bytes() == before
     assert sorted(file.name for file in tmp_path.iterdir()) == ["scene.blend"]
+
+
+def test_a_file_that_blender_could_not_read(run, monkeypatch):
+    """Blender goes on with an empty file."""
+    monkeypatch.setattr("sys.argv", ["blender", "-b", "gone.blend", "--command", "lamina", "list"])
+    bpy.ops.wm.read_homefile(use_empty=True)
+    code, lines, error = run("list")
+    assert (code, lines, error) == (2, [], "lamina: gone.blend: Blender could not read this file\n")

@@ -37,7 +37,7 @@ def test_a_layer_that_hides_the_base_in_one_channel(addon, material):
 
 def test_what_cannot_be_matched_changes_nothing(addon, material, call):
     before = addon.editing.stack_io.to_dict(material)
-    with pytest.raises(RuntimeError, match="must be at most over_white"):
+    with pytest.raises(RuntimeError, match=r"^Error: Over Black \(red\) = 0.5: must be at most Over White, 0.4"):
         call(bpy.ops.lamina.match_colors, material, over_black=(0.5, 0.5, 0.5), over_white=(0.4, 0.5, 0.5))
     assert addon.editing.stack_io.to_dict(material) == before
     material.lamina.layers[0].graded = True

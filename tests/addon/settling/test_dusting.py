@@ -58,6 +58,15 @@ def top(obj):
     return values[loops].mean()
 
 
+def test_curves_are_named(dusting, scene):
+    curve = bpy.data.objects.new("Wire", bpy.data.curves.new("Wire", "CURVE"))
+    bpy.context.scene.collection.objects.link(curve)
+    done = dusting.dust(bpy.context, [scene[2], curve])
+    assert str(done) == "Dust lies on 1 object; 1 bake; Wire is no mesh, and holds no dust" and not done.notes
+    with pytest.raises(ValueError, match="Wire is no mesh: convert it"):
+        dusting.dust(bpy.context, [curve])
+
+
 def test_dust_on_all_objects_and_back(addon, dusting, scene):
     before = {one.name: serialised_tree.of_material(one) for one in bpy.data.materials}
     said = []
