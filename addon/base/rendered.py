@@ -20,6 +20,15 @@ _ENGINE = "LAMINA_reader"
 _OFF = ("use_compositing", "use_sequencer", "use_freestyle", "use_multiview", "use_persistent_data")
 
 
+def viewport(context):
+    """The dependency graph of the viewport, up to date.
+
+    Below an overridden context, context.evaluated_depsgraph_get reads Python's dictionary of overrides
+    without Python's lock if another thread holds that lock, and Blender crashes (seen in 4.5)."""
+    context.view_layer.update()
+    return context.view_layer.depsgraph
+
+
 def visit(scene, view_layer, read):
     """Returns read(depsgraph) for the dependency graph of a render of `view_layer`. Main thread only.
 

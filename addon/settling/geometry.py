@@ -70,13 +70,12 @@ def read(context, requests, live=False):
         return bodies, _all_occluders(depsgraph, scale, known) if with_others else []
 
     try:
-        shown = context.evaluated_depsgraph_get()
-        shown.update()
+        shown = rendered.viewport(context)
         bodies, others = read_from(shown) if live else rendered.visit(
             context.scene, context.view_layer, read_from)
         for number, one in enumerate(requests):
             if bodies[number] is None:
-                shown = context.evaluated_depsgraph_get()
+                shown = rendered.viewport(context)
                 evaluated = one.obj.evaluated_get(shown)
                 bodies[number] = _body(shown, one, evaluated, evaluated.matrix_world, scale, tags)
     finally:
