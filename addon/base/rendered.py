@@ -20,6 +20,16 @@ _ENGINE = "LAMINA_reader"
 _OFF = ("use_compositing", "use_sequencer", "use_freestyle", "use_multiview", "use_persistent_data")
 
 
+def can_convert(obj):
+    """True for a curve, a text, a surface or metaballs, which Blender converts to a mesh."""
+    return obj is not None and obj.type in SHAPES and obj.type != "MESH"
+
+
+def to_convert(obj):
+    """The sentence that refuses an object of another type than a mesh."""
+    return f"{obj.name} is no mesh: convert it (Object > Convert > Mesh)"
+
+
 def viewport(context):
     """The dependency graph of the viewport, up to date.
 

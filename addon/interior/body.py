@@ -59,14 +59,9 @@ class Body:
         return native.require().Solid(arrays.vertices, arrays.triangles, HOLES, arrays.name, self.opaque)
 
 
-def can_convert(obj):
-    """True for a curve, a text, a surface or metaballs, which Blender converts to a mesh."""
-    return obj is not None and obj.type in {"CURVE", "FONT", "SURFACE", "META"}
-
-
 def problem(obj):
     """The reason why an object has no interior, in a sentence, or ''."""
-    if can_convert(obj):
+    if rendered.can_convert(obj):
         return f"{obj.name} has no mesh of its own: convert it"
     if obj is None or obj.type != "MESH":
         return "An interior needs a mesh object: select one"

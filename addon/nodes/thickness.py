@@ -106,7 +106,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False, to=FRONT
     if foreign and not replace:
         raise RefusedError(f"{to} is linked to the node “{foreign[0].label or foreign[0].name}”: "
                            "unlink it, or replace the link")
-    image = _image(material, name, mark or "thickness ") if source == "image" else None
+    image = _image(material, name, to) if source == "image" else None
     tree = material.node_tree
     backs = [socket for socket in sockets_to_feed(material, BACK)
              if to == FRONT and (not socket.is_linked or socket.links[0].from_node.get(MARK))]
@@ -242,10 +242,16 @@ def read_by(tree, texture, beside, uv_map, mark=""):
     tree.links.new(uv.outputs[0], texture.inputs["Vector"])
 
 
-def _image(material, wanted, what):
+def new_image(material, of=FRONT, value=0.0):
+    """A new image of this value everywhere, for this one of the INPUTS."""
+    name = f"{material.name} {INPUTS[of] or 'thickness'}".rstrip()
+    return data_image.plain(name, IMAGE_SIZE, value, float_buffer=True)
+
+
+def _image(material, wanted, of):
     """The wanted image, set up to hold numbers, or a new black one. Raises RefusedError."""
     if not wanted:
-        image = data_image.plain(f"{material.name} {what}".rstrip(), IMAGE_SIZE, float_buffer=True)
+        image = new_image(material, of)
     else:
         image = wanted if isinstance(wanted, bpy.types.Image) else bpy.data.images.get(wanted)
     if image is None:

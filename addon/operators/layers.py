@@ -221,7 +221,6 @@ class LAMINA_OT_match_colors(bpy.types.Operator):
 
     def _in_words(self, text):
         """A sentence of the core with the names of the dialog: 'once[0]' -> 'One Coat (red)'."""
-
         fields = self.properties.bl_rna.properties
 
         def named(match):

@@ -100,8 +100,8 @@ def gather(context, objects):
         raise RefusedError(sentence)
     notes, dusty, shapes = [], [], []
     for obj in objects:
-        if obj.type in rendered.SHAPES - {"MESH"}:
-            shapes.append(obj.name)
+        if rendered.can_convert(obj):
+            shapes.append(obj)
         if obj.type != "MESH" or not len(obj.data.polygons):
             continue
         sentence = object_dust.problem(obj)
@@ -110,7 +110,7 @@ def gather(context, objects):
         else:
             dusty.append(obj)
     if not dusty:
-        notes += [f"{name} is no mesh: convert it (Object > Convert > Mesh)" for name in shapes]
+        notes += map(rendered.to_convert, shapes)
         raise RefusedError(notes[0] if notes else "There is no mesh object for dust to settle on")
     bakes = {}
     for obj in dusty:
@@ -126,7 +126,8 @@ def gather(context, objects):
                 bakes[uid] = None
                 notes.append(_note(error, material))
     bakes = {uid: bake for uid, bake in bakes.items() if bake is not None}
-    return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)), shapes)
+    return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)),
+                    [obj.name for obj in shapes])
 
 
 class DustingJob(Worker):

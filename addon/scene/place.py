@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import data_image, messages, preferences, unwrap, uv_maps
+from ..base import messages, preferences, rendered, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
@@ -127,7 +127,7 @@ def gather(context, material, choice):
         if obj is None or all(slot.material != material for slot in obj.material_slots):
             raise RefusedError("Select a mesh object that has this material")
         if obj.type != "MESH":
-            raise RefusedError(f"{obj.name} is no mesh: convert it (Object > Convert > Mesh)")
+            raise RefusedError(rendered.to_convert(obj))
         if _needs_bake(material, layer, place):
             bakes[material.session_uid] = _bake(material, choice)
     if place == SETTLED:
@@ -187,8 +187,7 @@ def _put_medium(obj, layer, place, before):
     if place == IMAGE:
         image, told = material.pop(thickness.KEPT[FRONT], None), "The image that this layer had before"
         if image is None:
-            name, size = f"{material.name} thickness", thickness.IMAGE_SIZE
-            image = data_image.plain(name, size, usual, float_buffer=True)
+            image = thickness.new_image(material, value=usual)
             told = f"The new image holds the thickness {usual:.3g}: paint on it, or choose another one"
         thickness.wire_thickness(material, "image", image, uv_map=_uv_map(obj), replace=True)
         return told

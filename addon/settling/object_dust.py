@@ -78,7 +78,7 @@ def settle(context, obj, progress=None, cancel=None, threads=0):
 
 def problem(obj):
     """The reason why no dust can settle on an object, in a sentence, or ''."""
-    if obj is not None and obj.type in rendered.SHAPES and obj.type != "MESH":
+    if rendered.can_convert(obj):
         return f"{obj.name} is no mesh, and holds no dust: convert it (Object > Convert > Mesh)"
     if obj is None or obj.type != "MESH":
         return "Dust settles on mesh objects: select one"

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages, native
+from ..base import messages, native, rendered
 from ..interior import body, contents, freshness, interior_job, motion
 from ..kinds import interiors
 from ..nodes import node_group
@@ -78,7 +78,7 @@ def draw(context, layout):
 
 def _draw_mend(layout, obj, material):
     """A button that mends what the sentence above is about, if there is one."""
-    if body.can_convert(obj):
+    if rendered.can_convert(obj):
         layout.operator("object.convert", text="Convert to Mesh", icon="MESH_DATA").target = "MESH"
     if body.problem(obj):
         return

@@ -33,8 +33,8 @@ def draw(context, layout, material):
     elif state == "fresh" and (warning := numbers.warning(material.lamina.result)):
         draw_sentence(context, layout, warning, "ERROR")
     if node_group.shows_lateral(material):
-        told = lateral_job.stale(material) or "The output shows light below the surface instead"
-        draw_sentence(context, layout, f"{told}, see Depth")
+        sentence = lateral_job.stale(material) or "The output shows light below the surface instead"
+        draw_sentence(context, layout, f"{sentence}, see Depth")
     elif material.lamina.node_group is not None and not node_group.is_connected(material):
         row = layout.row()
         row.label(text="Not connected to the output", icon="UNLINKED")

@@ -2,6 +2,7 @@
 // Binds windows around the points of a map.
 #include <pybind11/numpy.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "bindings.hpp"
@@ -90,6 +91,8 @@ Numbers nearest(const Doubles& positions, const Numbers& along, py::ssize_t most
                    along.shape(0) == positions.shape(0) && most >= 1,
                "positions must have the shape (n, 3), along (n, m), and most be at least 1");
   require_below(along, along.shape(0));
+  require_that(std::all_of(along.data(), along.data() + along.size(), [](auto vertex) { return vertex >= 0; }),
+               "along must not be negative");
   Numbers found({along.shape(0), most});
   std::int32_t* const out = found.mutable_data();
   const py::gil_scoped_release release;
@@ -105,8 +108,6 @@ void lamina::bind_maps(py::module_& module) {
       .def(py::init<Numbers, Singles, Singles>(), py::arg("numbers"), py::arg("weights"), py::arg("places"),
            "numbers [neighbour, point], below 0 where there is none; weights [neighbour, point] and places along two "
            "tangents [neighbour, point, 2], or without the axis of points if they are the same for all")
-      .def_readonly("numbers", &BoundWindow::numbers)
-      .def_readonly("weights", &BoundWindow::weights)
       .def("mean", &BoundWindow::mean, py::arg("values"), py::arg("pool"),
            "The weighted mean of values [point, n] over the window of each point.")
       .def("regression", &BoundWindow::regression, py::arg("guides"), py::arg("values"), py::arg("ridge"),

@@ -547,12 +547,6 @@ class Window:
         """
         (fit [point, n], share [point] of the own value in it), see window_regression
         """
-    @property
-    def numbers(self) -> numpy.typing.NDArray[numpy.int32]:
-        ...
-    @property
-    def weights(self) -> numpy.typing.NDArray[numpy.float32]:
-        ...
 def adding_walk(stack: Stack, target: WalkTarget, pool: ThreadPool) -> tuple[Walk, float]:
     """
     The walk and the error of its tables.

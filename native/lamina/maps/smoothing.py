@@ -33,7 +33,7 @@ def smoothed(places: Places, interior: Interior, measured: Measured, is_light: b
     """Values of less noise at the points of a map, with approximate standard errors, (points, ...). The last axis has
     three channels, and further numbers with a filter of their own. `measured`: values and standard errors. `is_light`:
     the values are radiance, and all steps are taken. Otherwise steps 1 and 4 are left out: Relightable needs an albedo
-    near 1 as precisely as the walks of its channel give the albedo."""
+    near 1 as precisely as the walks of its channel give the albedo. `threads`: 0 for all hardware threads."""
     shape = measured.value.shape
     values = np.nan_to_num(measured.value.reshape(shape[0], -1, shape[-1]))
     variances = np.nan_to_num(measured.stderr.reshape(values.shape)) ** 2
