@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "rough/lobe_values.hpp"
 #include "rough/merged_modes.hpp"
 
 namespace lamina {
@@ -132,7 +133,7 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
 }
 
 RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
-                           double fineness)
+                           double fineness, double tolerance)
     : facets_(base.facets),
       base_(base),
       reflectance_(base.facet_reflectance(ior_above)),
@@ -143,9 +144,22 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
   from_above_.emplace(FacetRays(base, ior_above, own), set, ior_above, 0.0, orders);
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Modes modes(set, over);
-  for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
-    nodes_.push_back(
-        {nodes_.empty() ? merged_keeping_flux(matrix, modes, over) : merged(matrix, modes), MatrixXd(), MatrixXd()});
+  std::vector<MatrixXd> reflected;
+  if (!base.measured && !facets_.retro) {
+    const LobeValues lobe = [this](double mu, const FacetPairs& pairs) {
+      return values(Face::kTop, Face::kTop, mu, pairs);
+    };
+    reflected = resolved_lobe(lobe, set, ior_above, orders, facets_.alpha, 0.5 * std::min(tolerance, 1e-2), pool);
+    constexpr double kNarrowest = 0.03;  // narrower lobes need more nodes than a solve has
+    is_noisy_ = reflected.empty() && facets_.alpha >= kNarrowest;
+  }
+  if (reflected.empty()) {
+    for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
+      reflected.push_back(reflected.empty() ? merged_keeping_flux(matrix, modes, over) : merged(matrix, modes));
+    }
+  }
+  for (MatrixXd& matrix : reflected) {
+    nodes_.push_back({std::move(matrix), MatrixXd(), MatrixXd()});
   }
   if (compensate_) {
     mean_fresnel_ = above_.mean_reflectance();

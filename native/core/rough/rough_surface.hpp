@@ -27,8 +27,9 @@ class RoughSurface {
   /// other lobes or mirrors need more.
   RoughSurface(const Interface& interface, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0);
+  /// `tolerance`: the relative pointwise error of the solve.
   RoughSurface(const Base& base, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
-               double fineness = 1.0);
+               double fineness = 1.0, double tolerance = 1e-3);
 
   /// The boundary on directions with targets, one azimuth order at a time. Refers to the boundary and the directions.
   class Operators {
@@ -65,6 +66,10 @@ class RoughSurface {
   std::vector<LobeOperator> lobes_on(const DirectionSet& set, int orders) const;
   /// The rays of the lobes, for integrands that are polynomials of `degree`; in the order of lobes_on.
   std::vector<FacetRays> rays_on(const DirectionSet& set, int degree) const;
+
+  /// True for a base whose lobe is a sum over rays, but would be resolved by more nodes. Such sums leave noise in high
+  /// azimuth orders.
+  bool is_noisy() const { return is_noisy_; }
 
   /// The boundary as light that arrives at this face meets it.
   const FacetOptics& optics(Face from) const { return from == Face::kTop ? above_ : below_; }
@@ -104,6 +109,7 @@ class RoughSurface {
   std::vector<Nodes> nodes_;                // by order
   std::optional<LobeOperator> perfect_;     // of a conductor with compensation: its facets, reflecting everything
   Eigen::MatrixXd perfect_nodes_;
+  bool is_noisy_ = false;
   double mean_fresnel_ = 1.0;
   bool compensate_ = true;
 };

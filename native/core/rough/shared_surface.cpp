@@ -64,9 +64,9 @@ std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, c
 }
 
 std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const DirectionSet& set, double ior_above,
-                                                   int orders, ThreadPool& pool, double fineness) {
+                                                   int orders, ThreadPool& pool, double fineness, double tolerance) {
   Key key = key_of(base.facets, set, ior_above, orders, fineness);
-  key.insert(key.end(), {base.ior.real(), base.ior.imag(), base.reflectance});
+  key.insert(key.end(), {base.ior.real(), base.ior.imag(), base.reflectance, tolerance});
   add_film(key, base.film.get());
   if (base.measured) {
     key.insert(key.end(), base.measured->table().begin(), base.measured->table().end());
@@ -75,8 +75,8 @@ std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const Direc
     const std::vector<double> sockets = base.law->key();
     key.insert(key.end(), sockets.begin(), sockets.end());
   }
-  return known_or_made(key,
-                       [&] { return std::make_shared<RoughSurface>(base, set, ior_above, orders, pool, fineness); });
+  return known_or_made(
+      key, [&] { return std::make_shared<RoughSurface>(base, set, ior_above, orders, pool, fineness, tolerance); });
 }
 
 }  // namespace lamina

@@ -13,6 +13,6 @@ namespace lamina {
 std::shared_ptr<const RoughSurface> shared_surface(const Interface& interface, const DirectionSet& set,
                                                    double ior_above, int orders, ThreadPool& pool, double fineness);
 std::shared_ptr<const RoughSurface> shared_surface(const Base& base, const DirectionSet& set, double ior_above,
-                                                   int orders, ThreadPool& pool, double fineness);
+                                                   int orders, ThreadPool& pool, double fineness, double tolerance);
 
 }  // namespace lamina

@@ -111,7 +111,12 @@ Resolution Solution::finer() const {
     // Beside rough boundaries, orders beyond those of the flakes themselves are for narrow lobes.
     const bool of_flakes = has_flakes() && !is_rough();
     const int most = of_flakes ? kMostFlakeOrders : kMostOrders;
-    if (orders() >= most || (!of_flakes && orders_needed() > kHopeless * kMostOrders)) {
+    const bool hopeless = !of_flakes && orders_needed() > kHopeless * kMostOrders;
+    const bool noisy = std::ranges::any_of(boundaries_, [](const auto& b) { return b.surface->is_noisy(); });
+    if (hopeless && noisy && resolution_.nodes < nodes_beside(kMostOrders)) {
+      return refined(resolution_);
+    }
+    if (orders() >= most || hopeless) {
       require_sound();
     }
     finer.fewest_orders = std::min(most, 8 * orders() / 5);
@@ -353,8 +358,8 @@ void Solution::add_boundaries(ThreadPool& pool) {
     }
   }
   if (stack().base.is_rough()) {
-    boundaries_.push_back(
-        {stack().layers.size(), shared_surface(stack().base, *set_, indices.back(), orders(), pool, fineness)});
+    boundaries_.push_back({stack().layers.size(), shared_surface(stack().base, *set_, indices.back(), orders(), pool,
+                                                                 fineness, resolution_.tolerance)});
   }
   // Evaluate once, so that lobes that are too narrow throw here and not in a later evaluation.
   const std::vector<Directions> here = directions(Eigen::VectorXd());
