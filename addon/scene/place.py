@@ -145,6 +145,8 @@ def _finish(material, choice, gathered, found):
             raise RefusedError(messages.sentence(error, material)) from error
     if _object(choice) is None and choice.place != EVEN:
         raise RefusedError("The object was removed meanwhile")
+    if layer.kind not in INPUTS:  # a thin film, which is always even
+        return _SAME
     before = thickness.wiring(material, INPUTS[layer.kind]).source
     _keep(material, layer)
     if choice.place == SETTLED and before == "custom":

@@ -164,6 +164,14 @@ def test_nodes_of_the_artist(addon, place, plate, material, call):
     assert own.name in material.node_tree.nodes, "the node stays, the link is replaced"
 
 
+def test_a_thin_film_is_even(addon, place, plate, material, call):
+    film = addon.editing.layer_list.add_layer(material, "film")
+    assert choose(plate, call, "EVEN") == {"FINISHED"}
+    assert place.of(material, film) == "EVEN" and not film.varying
+    with pytest.raises(RuntimeError, match="no place “Settled”"):
+        choose(plate, call, "SETTLED")
+
+
 def test_refused_with_nothing_changed(addon, place, plate, material, call):
     plate.data.materials.clear()
     for name in MEDIUM[1:]:
