@@ -13,7 +13,7 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import changes, handlers, native, preferences, redraw, renders, timers, undo
+from ..base import changes, editable, handlers, native, preferences, redraw, renders, timers, undo
 from ..base.worker import Place, with_uid
 from ..editing import stack_io
 from ..nodes import node_group
@@ -149,7 +149,7 @@ def poll():
 def _can_follow(material):
     if not (preferences.automatic() and material.lamina.enabled and native.available()):
         return False
-    return material.is_editable and not migration.is_from_the_future(material)
+    return editable.is_editable(material) and not migration.is_from_the_future(material)
 
 
 def _follow(material):

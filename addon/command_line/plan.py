@@ -2,7 +2,7 @@
 """What a batch is to do with one material of the open file."""
 
 from ..baking import bake_job
-from ..base import messages, native, preferences
+from ..base import editable, messages, native, preferences
 from ..editing import over_material, stack_io
 from . import words
 from .finished_tables import Wanted
@@ -37,8 +37,9 @@ class Plan:
 
     def _make(self, stack, arguments):
         material = self.material
-        if not material.is_editable:
-            raise messages.RefusedError("linked from another file: bake it there")
+        problem = editable.problem(material)
+        if problem:
+            raise messages.RefusedError(problem)
         if self._was_enabled:
             self._before = stack_io.to_dict(material)
         if arguments.over and not self._was_enabled:
@@ -90,5 +91,5 @@ class Plan:
             return
         if self._before is not None:
             stack_io.assign(self.material, self._before)
-        elif not self._was_enabled and self.material.is_editable:
+        elif not self._was_enabled and editable.is_editable(self.material):
             self.material.property_unset("lamina")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from ..base import messages
+from ..base import editable, messages
 from ..base.messages import RefusedError
 from .exit_codes import UsageError
 
@@ -85,7 +85,7 @@ def materials(names, with_stack):
     only."""
     everything = list(bpy.data.materials)
     if not names:
-        chosen = [one for one in everything if one.lamina.enabled and one.is_editable]
+        chosen = [one for one in everything if one.lamina.enabled and editable.is_editable(one)]
         return chosen, {} if chosen else {"": "no material of this file has Lamina layers"}
     chosen, missed = [], {}
     for name in names:
@@ -94,7 +94,9 @@ def materials(names, with_stack):
         if not found:
             missed[name] = f"no material matches {name!r}"
         elif not exact:
-            found = [one for one in found if one.is_editable and (one.lamina.enabled or not with_stack)]
+            found = [
+                one for one in found if editable.is_editable(one) and (one.lamina.enabled or not with_stack)
+            ]
             if not found:
                 missed[name] = f"no material that matches {name!r} has Lamina layers"
         chosen += [one for one in found if one not in chosen]

@@ -7,7 +7,7 @@ displacement. The method that was there before is noted in the material."""
 
 import bpy
 
-from ..base import renders
+from ..base import editable, renders
 from ..base.messages import RefusedError
 from . import detail_wiring, dust_detail, thickness
 
@@ -33,8 +33,9 @@ def add(material, height=HEIGHT):
         found.inputs["Scale"].default_value = height / unit
         return found
     thickness.required_sockets(material)
-    if not material.is_editable:
-        raise RefusedError("The material is linked from another file: edit it there, or make it local")
+    problem = editable.problem(material)
+    if problem:
+        raise RefusedError(f"The material is {problem}")
     tree, own = material.node_tree, _target(material)
     if own is None:
         raise RefusedError("The material has no Material Output: add one")

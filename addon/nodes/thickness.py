@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..base import data_image, renders
+from ..base import data_image, editable, renders
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE, BACK_ATTRIBUTE
 from . import detail_group, node_group
@@ -99,8 +99,9 @@ def wire_thickness(material, source, name="", uv_map="", replace=False, to=FRONT
     renders.stop_previews()
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
-    if not material.is_editable:
-        raise RefusedError("The material is linked from another file: edit it there, or make it local")
+    problem = editable.problem(material)
+    if problem:
+        raise RefusedError(f"The material is {problem}")
     sockets, mark = required_sockets(material, to), INPUTS[to]
     foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(MARK)]
     if foreign and not replace:

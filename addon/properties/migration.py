@@ -7,7 +7,7 @@ Each step takes a material from schema n to n + 1. Steps are never edited, only 
 import bpy
 from bpy.app.handlers import persistent
 
-from ..base import handlers, timers
+from ..base import editable, handlers, timers
 from . import material_properties
 from .report_of_schema_2 import gather
 
@@ -32,7 +32,7 @@ def migrate(material, steps=None, schema=None):
     steps = STEPS if steps is None else steps
     schema = material_properties.SCHEMA if schema is None else schema
     settings = material.lamina
-    if not settings.enabled or not material.is_editable:
+    if not settings.enabled or not editable.is_editable(material):
         return False
     changed = False
     while settings.schema < schema:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import messages, native, preferences, rendered
+from ..base import editable, messages, native, preferences, rendered
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
 from ..editing import layer_list, over_material, stack_io
@@ -167,7 +167,7 @@ def remove(objects):
     still = {slot.material for obj in bpy.data.objects if obj.type == "MESH" and obj.lamina_dust.told
              for slot in obj.material_slots}
     for material in materials.values():
-        if material not in still and material.is_editable:
+        if material not in still and editable.is_editable(material):
             _take_away(material)
     return count
 
@@ -199,8 +199,9 @@ def _bake_with_dust(material):
     """The Bake of a material with a layer of dust; None if the material has a varying layer and is baked.
     Raises RefusedError, StackError. The file is as before."""
     if material is not None:
-        if not material.is_editable:
-            raise RefusedError("linked from another file: edit it there, or make it local")
+        problem = editable.problem(material)
+        if problem:
+            raise RefusedError(problem)
         if migration.is_from_the_future(material):
             raise RefusedError("its layers were made by a newer version of Lamina")
         if _has_dust(material) and bake_job.state(material) in ("fresh", "other"):

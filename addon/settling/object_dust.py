@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import data_image, image_removal, native, rendered, renders, unwrap, uv_maps
+from ..base import data_image, editable, image_removal, native, rendered, renders, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..kinds.dust import ATTRIBUTE
 from ..nodes import detail_wiring, thickness
@@ -232,7 +232,7 @@ def apply(obj, task, answer):
     settings.largest_back = max((float(back.max(initial=0.0)) for back in backs), default=0.0)
     for slot in obj.material_slots:
         material = slot.material
-        if material is None or not material.is_editable:
+        if material is None or not editable.is_editable(material):
             continue
         linked = thickness.wiring(material).source
         if linked in thickness.SOURCES:

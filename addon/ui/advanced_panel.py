@@ -4,6 +4,7 @@ curves, and its errors."""
 
 import bpy
 
+from ..base import editable
 from ..base.messages import percent
 from ..editing import layer_list
 from ..stack_json import stack_write
@@ -20,7 +21,7 @@ class LAMINA_PT_advanced(MaterialPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, settings = self.layout, context.material.lamina
-        layout.active = context.material.is_editable
+        layout.active = editable.is_editable(context.material)
         layer = layer_list.active_layer(context.material)
         if layer is not None:
             layout.label(text=f"Layer “{layer.name}”")

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import native
+from ..base import editable, native
 from ..editing import depth, layer_list, over_material
 from ..properties import migration
 from ..properties.layer_properties import LAYER_KINDS
@@ -59,8 +59,8 @@ class LAMINA_PT_main(AnyMaterialPanel, bpy.types.Panel):
             row.prop_enum(context.scene.render, "engine", "CYCLES", text="Switch to Cycles")
         if migration.is_from_the_future(material):
             draw_sentence(context, layout, "Made by a newer version of Lamina: update Lamina to edit it")
-        elif not material.is_editable:
-            draw_sentence(context, layout, "Linked from another file: edit the layers there", "LINKED")
+        elif not editable.is_editable(material):
+            draw_sentence(context, layout, f"This is {editable.problem(material)}", "LINKED")
         elif not material.lamina.enabled:
             _draw_start(context, layout, material)
         else:
@@ -75,7 +75,7 @@ class LAMINA_PT_layers(MaterialPanel, bpy.types.Panel):
     def draw(self, context):
         layout, material = self.layout, context.material
         settings = material.lamina
-        layout.active = material.is_editable
+        layout.active = editable.is_editable(material)
         LAMINA_UL_layers.error = state_line.error_layer(material)
         row = layout.row()
         row.template_list("LAMINA_UL_layers", "", settings, "layers", settings, "active_index", rows=3)
@@ -110,7 +110,7 @@ class LAMINA_PT_base(MaterialPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, material = self.layout, context.material
-        layout.active = material.is_editable
+        layout.active = editable.is_editable(material)
         fields.draw_base(layout, material.lamina.base)
         if over_material.has_changed(material):
             text = "The shader in the frame Before Lamina was edited: the layers do not show that yet"

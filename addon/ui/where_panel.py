@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..base import editable
 from ..editing import depth, layer_list
 from ..nodes import detail_wiring, displacement, dust_detail, film_wiring, thickness
 from ..nodes.film_pattern import PATTERNS
@@ -30,7 +31,7 @@ class LAMINA_PT_where(MaterialPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, material = self.layout, context.material
-        layout.active = material.is_editable
+        layout.active = editable.is_editable(material)
         layer = layer_list.active_layer(material)
         now = place.of(material, layer)
         choices = place.choices(layer)

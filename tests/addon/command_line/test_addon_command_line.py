@@ -214,7 +214,7 @@ def test_linked_materials(run, addon, materials, tmp_path):
         target.materials = ["floor"]
     assert run("bake")[0] == 2
     code, lines, _ = run("bake", "floor")
-    assert code == 1 and lines == ["floor: failed: linked from another file: bake it there"]
+    assert code == 1 and lines == ["floor: failed: linked from another file: edit it there, or make it local"]
 
 
 def test_interrupted_in_process(run, addon, lamina, materials, monkeypatch, tmp_path):

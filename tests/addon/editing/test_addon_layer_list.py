@@ -195,17 +195,32 @@ def test_nothing_can_be_animated(addon):
                 assert not prop.is_animatable, (cls.__name__, prop.identifier)
 
 
-def test_linked_materials_are_left_alone(addon, call, tmp_path):
+@pytest.fixture
+def linked(addon, tmp_path):
+    """A material with three layers, from another file."""
     material, _ = twin(addon)
     library = tmp_path / "library.blend"
     bpy.data.libraries.write(str(library), {material}, fake_user=True)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     with bpy.data.libraries.load(str(library), link=True) as (_source, target):
         target.materials = ["By Function"]
-    linked = bpy.data.materials["By Function"]
+    return bpy.data.materials["By Function"]
+
+
+def test_linked_materials_are_left_alone(linked, call):
     with pytest.raises(RuntimeError, match="linked from another file"):
         call(bpy.ops.lamina.layer_add, linked)
     assert len(linked.lamina.layers) == 3
+
+
+def test_library_overrides_are_left_alone(addon, linked, call):
+    override = linked.override_create()
+    for operator in (bpy.ops.lamina.layer_add, bpy.ops.lamina.bake, bpy.ops.lamina.remove_stack):
+        with pytest.raises(RuntimeError, match="a library override, which does not keep changes"):
+            call(operator, override)
+    assert len(override.lamina.layers) == 3
+    local = override.make_local()
+    assert call(bpy.ops.lamina.layer_add, local) == {"FINISHED"} and len(local.lamina.layers) == 4
 
 
 def test_remove_stack(addon, lamina, material, call):

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials whose layers and nodes can be changed.
+
+A library override of a material keeps neither the add-on's properties nor nodes: Blender takes both from the
+library when the file is opened again.
+"""
+
+
+def is_editable(material):
+    return not problem(material)
+
+
+def problem(material):
+    """What a material is that cannot be changed, after "The material is", or ''."""
+    if not material.is_editable:
+        return "linked from another file: edit it there, or make it local"
+    if material.override_library is not None:
+        return "a library override, which does not keep changes of layers: make it local"
+    return ""
