@@ -83,7 +83,7 @@ def _told(material, state):
         return "Up to date", "CHECKMARK"
     if state == "none":
         if material.lamina.result.stack_hash:
-            return "The nodes of the last update are gone", "ERROR"
+            return "The nodes or the table of the last update are gone", "ERROR"
         return "Not shown yet", "INFO"
     if state == "invalid":
         return "Out of date: the layers cannot be baked as they are", "ERROR"

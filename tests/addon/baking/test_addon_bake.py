@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import bpy
 import own_blender
 import pytest
-from addon_helpers import detached, snapshot
+from addon_helpers import detached, image_of, snapshot
 
 
 def finish(addon):
@@ -71,6 +71,16 @@ def test_fresh_and_stale(addon, lamina, material):
     material.lamina.layers.clear()
     material.lamina.base.kind = "none"
     assert state(material) == "invalid"
+
+
+def test_a_table_that_was_deleted(addon, lamina, material):
+    bake = addon.baking.bake_job
+    bake.bake_material(material)
+    bpy.data.images.remove(image_of(material.lamina.node_group))
+    assert bake.state(material) == "none"
+    bake.bake_material(material)
+    assert bake.state(material) == "fresh"
+    assert image_of(material.lamina.node_group).packed_file is not None
 
 
 def test_editing_while_baking_ends_stale(addon, lamina, material):
