@@ -53,7 +53,7 @@ def add(commands):
 
 def run(arguments):
     """Compute the objects' light, print one line for each, and save or render. Returns the exit code. Raises
-    UsageError, SaveError, NativeMissingError, KeyboardInterrupt."""
+    UsageError, SaveError, RefusedError, NativeMissingError, KeyboardInterrupt."""
     native.require()
     objects = selection.objects(arguments.objects)
     if arguments.frames is not None:
@@ -80,12 +80,17 @@ def _render(objects, arguments):
             if os.path.exists(path) and not scene.render.use_overwrite:
                 continue
             scene.frame_set(frame)
+            if scene.camera is None:
+                raise messages.RefusedError(f"frame {frame} cannot be rendered: the scene has no camera")
             if not _computed(objects, arguments):
                 is_complete = False
                 continue
             scene.render.filepath = path
             try:
                 bpy.ops.render.render(write_still=True)
+            except RuntimeError as error:
+                told = messages.reported(error)
+                raise messages.RefusedError(f"frame {frame} cannot be rendered: {told}") from None
             finally:
                 scene.render.filepath = output
             print(f"frame {frame}: {path}", flush=True)

@@ -149,6 +149,21 @@ def test_frames_with_a_moving_lamp_and_a_bending_body(run, ball, tmp_path):
     assert code == 0 and rendered == [f"frame 1: {tmp_path / 'turn_01.png'}"]
 
 
+def test_frames_that_cannot_be_rendered(run, ball, tmp_path):
+    scene = bpy.context.scene
+    scene.render.filepath = str(tmp_path / "turn_##")
+    code, lines, err = run("Ball", "--kind", "lit", "--size", 12, "--frames", 1, 2)
+    assert (code, lines) == (1, []) and err == "lamina: frame 1 cannot be rendered: the scene has no camera\n"
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+    scene.collection.objects.link(bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN")))
+    (tmp_path / "file").touch()
+    scene.render.filepath = str(tmp_path / "file" / "turn_##")
+    code, _, err = run("Ball", "--kind", "lit", "--size", 12, "--frames", 1, 2)
+    assert code == 1 and "lamina: frame 1 cannot be rendered: " in err
+    assert scene.render.filepath == str(tmp_path / "file" / "turn_##")
+
+
 @pytest.mark.parametrize(("arguments", "words"), [
     (("--frames", 3, 1), "the first frame comes after the last one"),
     (("--frames", 1, 2, "--output", "out.blend"), "leave out --save and --output"),
