@@ -31,5 +31,9 @@ class LAMINA_OT_sparkle(bpy.types.Operator):
             distance = sparkle.add(common.material_of(context), context.scene)
         except RefusedError as error:
             return common.refused(self, error)
-        self.report({"INFO"}, f"Flakes sparkle, and fade at distances from the camera above {distance:.3g}")
+        told = f"Flakes sparkle, and fade at distances from the camera above {distance:.3g}"
+        if sparkle.has_perspective(context.scene):
+            self.report({"INFO"}, told)
+        else:
+            self.report({"WARNING"}, f"{told}. {sparkle.BY_HAND}")
         return {"FINISHED"}

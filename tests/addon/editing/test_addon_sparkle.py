@@ -89,6 +89,18 @@ def test_again_keeps_amount_and_size(bake, sparkle, camera):
     assert distance == found["Fade Distance"] == pytest.approx(0.002 * 500 * 100.0 / 36.0, rel=1e-5)
 
 
+def test_a_fade_distance_by_hand_stays_without_a_perspective(bake, sparkle, camera, call):
+    material = bake(COATED)
+    camera.type = "ORTHO"
+    assert call(bpy.ops.lamina.sparkle, material) == {"FINISHED"}
+    sparkle.sockets(material)["Fade Distance"].default_value = 7.0
+    for found in (bpy.context.scene.camera, None):
+        bpy.context.scene.camera = found
+        with pytest.raises(RuntimeError, match="no perspective camera: set the Fade Distance by hand"):
+            call(bpy.ops.lamina.sparkle, material)
+    assert values(sparkle, material)["Fade Distance"] == 7.0
+
+
 def test_sparkle_stays_over_bakes_and_goes_with_the_flakes(bake, sparkle):
     material = bake(COATED)
     sparkle.add(material, bpy.context.scene)
