@@ -28,6 +28,11 @@ def load_base(path: str | os.PathLike, name: str | None = None) -> Measured:
     exchange of view and light. Data that reflect more light than they receive, as measurements at grazing angles do,
     are scaled down until they reflect 99.9 %, and a warning tells by how much. Raises MeasurementError for a file that
     cannot be read, and OSError."""
+    return read_base(path, name)[0]
+
+
+def read_base(path: str | os.PathLike, name: str | None = None) -> tuple[Measured, float]:
+    """(the base of load_base, the largest share of a beam that the data reflect). Warns and raises as load_base."""
     suffix = Path(path).suffix.lower()
     if suffix not in (".binary", ".bsdf"):
         raise MeasurementError(f"{path}: unknown format: a measured base must be .binary (MERL) or .bsdf (RGL)")
@@ -37,8 +42,8 @@ def load_base(path: str | os.PathLike, name: str | None = None) -> Measured:
     table, largest = conserving(half_table.table_from(_alike(values)))
     if largest > MOST:
         warnings.warn(f"{path}: the data reflect up to {largest:.4g} times the light that they receive, and are scaled "
-                      f"down there to {MOST:g}", stacklevel=2)
-    return Measured(half_table.text_from(table), Path(path).stem if name is None else name)
+                      f"down there to {MOST:g}", stacklevel=3)
+    return Measured(half_table.text_from(table), Path(path).stem if name is None else name), largest
 
 
 def conserving(table: np.ndarray) -> tuple[np.ndarray, float]:

@@ -22,7 +22,7 @@ from ..solver.sharp_facets import peak_alpha
 from ..solver.solve import ScatteringFunction, solve
 from .descent import descend
 from .free import Free
-from .measured_base import load_base
+from .measured_base import read_base
 from .measurements import Brdf
 from .model import Model
 from .template import Template
@@ -83,8 +83,9 @@ def nearest(measured: Measured | str | os.PathLike, threads: int = 0, progress: 
     Method: least squares at some hundred pairs of directions about the mirror direction and away from it; errors on a
     grid of 7 views and 1920 lights."""
     step = stepper("the search for the nearest stack", progress, cancel)
+    largest = 0.0
     if isinstance(measured, str | os.PathLike):
-        measured = load_base(measured)
+        measured, largest = read_base(measured)
     if not isinstance(measured, Measured):
         raise ArgumentError(f"measured = {quoted(measured)}: must be a lamina.Measured, or the path of a .binary or "
                             ".bsdf file")
@@ -115,10 +116,14 @@ def nearest(measured: Measured | str | os.PathLike, threads: int = 0, progress: 
     error, errors, kind, stack, solved = best
     view = int(np.argmax(errors.max(axis=-1)))
     step(1.0, "Found")
+    remarks = truth.remarks(solved)
+    if largest > TELLS:
+        remarks.insert(0, f"The data reflect up to {largest:.4g} times the light that they receive, and count as "
+                          "scaled down.")
     source = f"The nearest stack to a measurement: {kind}, mean error {100.0 * error:.2g} %"
     stack = Stack(stack.layers, stack.base, name=measured.name, source=source)
     return Nearest(stack, kind, error, float(errors.max()), math.degrees(math.acos(VIEWS[view])), tried,
-                   tuple(truth.remarks(solved)))
+                   tuple(remarks))
 
 
 def _saying(step: Progress, text: str) -> Progress:

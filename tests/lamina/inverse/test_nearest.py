@@ -7,8 +7,10 @@ import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from measured_tables import facets, measured
+from test_files import merl_file
 
 import lamina
 from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Lambert, Stack
@@ -25,6 +27,14 @@ def test_a_matte_surface(tmp_path):
     assert found.stack.base.reflectance == pytest.approx((0.5, 0.3, 0.1), rel=2e-3)
     assert found.error < 0.002 and found.worst < 0.003 and found.remarks == ()
     assert found.stack.name == "sample" and "mean error" in found.stack.source
+
+
+def test_data_that_gain_much_light_are_a_remark(tmp_path):
+    path = merl_file(tmp_path / "bright.binary", np.full((90, 90, 180), 20.0))
+    with pytest.warns(UserWarning, match="times the light that they receive"):
+        found = lamina.nearest(path)
+    assert found.kind == "a matte surface" and found.remarks[0].startswith("The data reflect up to 6")
+    assert found.remarks[0].endswith(" times the light that they receive, and count as scaled down.")
 
 
 def test_a_metal(tmp_path):
