@@ -199,6 +199,7 @@ def gather(context, obj, material, folder=None):
     uv_map = uv_map or named
     sources = lights.of_scene(scene, obj, found) if is_lit else []
     filled = contents.of_material(obj, material, shape)
+    lights.check_sizes(sources, filled.surface)
     node = contents.texture(material) if settings.source == "NODES" else ()
     has_image = any(one.radiance is not None for one in sources)
     task = Task(

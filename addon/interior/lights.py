@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lights an interior: a lamp or the world as a source of light, and the world of a scene as one."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base import native
 from ..base.linking import ALL, Linking
 from ..base.messages import RefusedError
 from ..nodes import links, node_tree
@@ -58,6 +60,19 @@ def of_scene(scene, obj, seen):
     if not shines and all(one.is_dark for one in sources):
         raise RefusedError(f"nothing lights {obj.name}: add a lamp or a world")
     return sources
+
+
+def check_sizes(sources, surface):
+    """Raises RefusedError for a lamp that is too small for light behind this lamina.Surface."""
+    lamina = native.require()
+    for one in sources if surface is not None and surface.is_smooth else ():
+        if one.kind and one.lamp(lamina).too_small:
+            size, least = "Radius 0", "above 0"
+            if one.kind == "SUN":
+                size = f"Angle {2.0 * math.degrees(one.numbers['angle']):.3g} degrees"
+                least = f"at least {2.0 * math.degrees(native.part('interior.lamps').LEAST_DISC):.3g} degrees"
+            raise RefusedError(f"{one.name} has the {size}: behind a smooth boundary it must be {least}, or "
+                               "give the boundary a Roughness")
 
 
 def _absolute(sky):

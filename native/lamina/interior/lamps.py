@@ -15,7 +15,9 @@ from ..common.arguments import check_field, check_whole, finite_array
 from ..common.errors import ArgumentError, quoted
 from ..kinds.fields import Field
 
-LEAST_DISC = math.radians(1.0)  # behind a smooth boundary, the noise of smaller discs is too large
+# Behind a smooth boundary, the noise of smaller discs is too large; half of 2 degrees in single precision is a little
+# below 1 degree.
+LEAST_DISC = (1.0 - 1e-6) * math.radians(1.0)
 MOST_LINKINGS = 64
 _ANGLE = Field("angle", 0.0, 1.0)
 _RADIUS = Field("radius", 0.0, 1e12, unit="mm")

@@ -78,6 +78,11 @@ def narrow_sun(obj):
     sun("Sun", (0, 0, 0)).data.angle = 0.0
 
 
+def small_bulb(obj):
+    lit_by(obj, "POINT").data.shadow_soft_size = 0.0
+    obj.active_material.lamina.interior.roughness = 0.0
+
+
 def no_texture(obj):
     obj.active_material.lamina.interior.source = "NODES"
 
@@ -104,7 +109,8 @@ def missing_map(obj):
     (lamp_with_nodes, "Bulb has nodes of its own: remove them for Lamps Stay, or hide it in renders"),
     (focused_area, "Bulb has a Spread of 60 degrees: must be 180 for Lamps Stay"),
     (world_by_ray, "Sky has a Light Path node, with light that depends on the ray"),
-    (narrow_sun, r"lamps\[0\].angle = 0: must be at least"),
+    (narrow_sun, "Sun has the Angle 0 degrees: behind a smooth boundary it must be at least 2 degrees, or give"),
+    (small_bulb, "Bulb has the Radius 0: behind a smooth boundary it must be above 0, or give the boundary a R"),
     (no_texture, "Marble has no texture linked to a color or density"),
     (layers_without_lengths, "has no lengths"),
     (missing_map, "Ball has no UV map named .Other.: unwrap it, or let Lamina unwrap it"),

@@ -210,3 +210,9 @@ def test_noise_is_common_to_the_channels():
 def test_bad_lamps(make, words):
     with pytest.raises(ArgumentError, match=words):
         make()
+
+
+def test_a_sun_of_two_degrees_in_single_precision_is_large_enough():
+    angle = 0.5 * float(np.float32(np.radians(2.0)))
+    assert angle < np.radians(1.0) and lamina.Lamp((0.0, 0.0, 1.0), angle).too_small == ""
+    assert lamina.Lamp((0.0, 0.0, 1.0), 0.999 * angle).too_small
