@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,6 +104,11 @@ def _notes(arrived: float | None, amount: float, fell: float, behind: float, std
     if behind > 0.05 * (fell + behind):
         yield (f"{100.0 * behind / (fell + behind):.0f} % of the dust meets the back of faces, where none is laid: "
                "their normals may be turned, or the surface needs two sides")
-    if arrived is not None and amount > 0.0 and abs(arrived / amount - fell) > 0.1 * fell + 5.0 * stderr:
-        yield (f"the points sum to {arrived / (amount * fell) if fell > 0.0 else math.inf:.2f} times the dust that "
-               "falls: the mesh is coarse, or its normals are not those of its faces")
+    if arrived is None or amount == 0.0:
+        return
+    if arrived / amount > 100.0 * fell:
+        yield ("nearly no dust that falls meets the mesh, though its points see some: another surface may lie on it, "
+               "or the mesh is coarse")
+    elif abs(arrived / amount - fell) > 0.1 * fell + 5.0 * stderr:
+        yield (f"the points sum to {arrived / (amount * fell):.2f} times the dust that falls: the mesh is coarse, or "
+               "its normals are not those of its faces")

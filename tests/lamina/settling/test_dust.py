@@ -74,6 +74,13 @@ def test_nothing_falls_under_a_roof_wider_than_the_spread():
     assert found.statistics.stopped > 0.0
 
 
+def test_a_mesh_under_another_that_touches_it_is_told():
+    for height in (1e-6, 1e-4):
+        found = settle(plate(1), occluders=[plate(1, 1.0, height)], settings=Settling(spread=0.5, rays=64), threads=1)
+        assert found.statistics.fell < 1e-3 and found.tau.max() > 0.5
+        assert found.statistics.notes[1].startswith("nearly no dust that falls meets the mesh, though its points see")
+
+
 def test_the_shadow_of_a_disc_has_its_closed_form():
     """Below the centre of a disc of half-angle a in a cone of half-angle s, the share sin^2 a / sin^2 s is
     sheltered."""
