@@ -27,6 +27,7 @@ class PoleFactor {
 /// Energy and all resolved moments of the rays are kept.
 class LobeProjection {
  public:
+  /// Keeps references into the set.
   LobeProjection(const DirectionSet& set, double ior, int orders);
 
   /// The sums, [live node, function], in the scale of Directions.

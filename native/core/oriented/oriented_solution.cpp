@@ -91,6 +91,27 @@ BlockLayer medium_layer(const std::shared_ptr<const MediumOnNodes>& own, const s
   return {part(own->reflect), part(own->transmit), part(own->reflect)};
 }
 
+/// Throws for a rough boundary between indices so near to each other that its refracted lobes are too narrow.
+void refuse_nearly_matched(const Stack& stack) {
+  constexpr double kNarrowest = 0.01;  // measured: values beside highlights are off by a third, and by 6 % at .02
+  const std::vector<double> indices = refractive_indices(stack);
+  for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
+    const Facets* facets = facets_of(stack, layer);
+    if (facets == nullptr || indices[layer] == indices[layer + 1]) {
+      continue;
+    }
+    const double width = std::abs(indices[layer + 1] - indices[layer]) * std::min(facets->alpha, facets->across());
+    if (width < kNarrowest) {
+      std::ostringstream message;
+      message << "the stack cannot be resolved: facets between the indices " << indices[layer] << " and "
+              << indices[layer + 1] << " refract light into lobes of width " << width
+              << ", which is too narrow for a solve with anisotropic facets (at least " << kNarrowest
+              << "); a smooth boundary can be resolved";
+      throw std::runtime_error(message.str());
+    }
+  }
+}
+
 }  // namespace
 
 OrientedResolution choose_oriented_resolution(const Stack& stack, double tolerance) {
@@ -107,6 +128,7 @@ OrientedResolution choose_oriented_resolution(const Stack& stack, double toleran
             << " are too narrow for a solve with anisotropic facets (at least " << kNarrowest << ")";
     throw std::runtime_error(message.str());
   }
+  refuse_nearly_matched(stack);
   // Measured: errors of all light but the first reflection are .05 % at widths of .08, and .2 % at .05; for previews
   // .5 % and 1 %.
   const bool narrow = narrowest < 0.08;

@@ -67,8 +67,8 @@ OrientedSurface::OrientedSurface(const Facets& facets, const FacetOptics& optics
       bundle_(facets_, fineness),
       above_(set.in_medium(optics.here, VectorXd())),
       below_(set.in_medium(optics.metal ? optics.here : optics.beyond, VectorXd())),
-      to_above_(set, above_.ior, own_.orders),
-      to_below_(set, below_.ior, own_.orders) {
+      to_above_(set_, above_.ior, own_.orders),
+      to_below_(set_, below_.ior, own_.orders) {
   const Lobes down = lobes(Face::kTop, pool);
   const Lobes up = is_opaque() ? Lobes{} : lobes(Face::kBottom, pool);
   merge(down, up, own_);

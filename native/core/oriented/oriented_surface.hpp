@@ -22,6 +22,8 @@ class OrientedSurface {
   /// `facets` with the angle from the x axis of the solve. `fineness`: see FacetBundle. A metal is an opaque base.
   OrientedSurface(const Facets& facets, const FacetOptics& optics, const DirectionSet& set,
                   const AzimuthBlocks& azimuths, int fineness, ThreadPool& pool);
+  OrientedSurface(const OrientedSurface&) = delete;  // its projections refer to its own directions
+  OrientedSurface& operator=(const OrientedSurface&) = delete;
 
   /// One block of azimuth functions; a metal has only reflect_above. Light from below is transmitted by the transpose.
   struct Block {

@@ -178,6 +178,16 @@ def test_channels_share_equal_facets():
                                     "resolution"}
 
 
+def test_a_shared_boundary_outlives_the_solve_that_made_it():
+    lacquer = Interface(1.05, alpha=0.3)
+    first = lamina.solve(Stack([lacquer], metal(0.2, 0.4)), "preview")
+    second = lamina.solve(Stack([lacquer], metal(0.3, 0.4)), "preview")
+    expected = second.reflectance(MU_I, phi=PHI_O)
+    del first
+    lamina.solve(Stack([Interface(1.3, alpha=0.2)], metal(0.3, 0.2)), "preview")  # takes the memory that was freed
+    np.testing.assert_array_equal(second.reflectance(MU_I, phi=PHI_O), expected)
+
+
 @pytest.mark.parametrize("call, sentence", [
     (lambda s: lamina.solve(s, nodes=32), "nodes = 32: must be left out for a stack with anisotropic facets"),
     (lambda s: lamina.solve(s).grid("reflect", [0.5], [0.5], [0.0]), "base.alpha_v = 0.3: must be left out for a grid"),
@@ -185,6 +195,8 @@ def test_channels_share_equal_facets():
      "layers[1]: must be the top layer for another thickness above anisotropic facets"),
     (lambda s: lamina.solve(s, "preview").with_base_reflectance(0.5), "must be left out for another reflectance"),
     (lambda s: lamina.solve(Stack(s.layers, metal(0.01, 0.3))), "facets of width 0.01 are too narrow"),
+    (lambda s: lamina.solve(Stack([Interface(1.5), Interface(1.49, 0.3)], metal(0.1, 0.3))),
+     "facets between the indices 1.5 and 1.49 refract light into lobes of width 0.003"),
     (lambda s: lamina.solve(Stack([Interface(1.5, 0.1, alpha_v=0.3)], PrincipledBase())),
      "base.kind = 'principled': must be another kind below anisotropic facets"),
 ])
