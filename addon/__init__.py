@@ -9,6 +9,7 @@ from .base import image_removal, native, preferences, renders, timers, undo
 from .command_line import blend_saving, command
 from .editing import match_job
 from .interior import interior_job, trial
+from .nodes import painted_images
 from .properties import dust_properties, material_properties, migration
 from .settling import dust_job, live_dust
 from .stack_json import solved_colours
@@ -40,6 +41,7 @@ PARTS = (
     trial,
     update,
     before_render,
+    painted_images,
     live_dust,
     operators,
     menus,
