@@ -92,26 +92,13 @@ class Projection {
 
 }  // namespace
 
-std::shared_ptr<const LobeOperator::Columns> LobeOperator::from_targets(const Directions& directions,
-                                                                        ThreadPool& pool) const {
-  const VectorXd mu = directions.mu.tail(directions.targets);
-  const VectorXd common = directions.ior * directions.scale.tail(directions.targets);
-  {
-    const std::scoped_lock guard(last_->lock);
-    if (last_->columns && last_->mu.size() == mu.size() && last_->mu == mu && last_->common == common) {
-      return last_->columns;
-    }
-  }
-  const auto columns = std::make_shared<const Columns>(columns_from(mu, common, pool));
-  const std::scoped_lock guard(last_->lock);
-  last_->mu = mu;
-  last_->common = common;
-  last_->columns = columns;
-  return columns;
+std::shared_ptr<const LobeColumns> LobeOperator::from_targets(const Directions& directions, ThreadPool& pool) const {
+  return last_->known_or_made(
+      directions, [&](const VectorXd& mu, const VectorXd& common) { return columns_from(mu, common, pool); });
 }
 
-LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
-  Columns columns;
+LobeColumns LobeOperator::columns_from(const VectorXd& mu, const VectorXd& common, ThreadPool& pool) const {
+  LobeColumns columns;
   const std::vector<Part> here = parts_of(set_, ior_, orders_);
   const std::vector<Part> there = parts_of(set_, beyond_, orders_);
   const auto shape = [&](std::vector<MatrixXd>& matrices, const std::vector<Part>& parts) {
@@ -144,17 +131,17 @@ LobeOperator::Columns LobeOperator::columns_from(const VectorXd& mu, const Vecto
   return columns;
 }
 
-LobeOperator::Columns LobeOperator::on_nodes(ThreadPool& pool) const {
+LobeColumns LobeOperator::on_nodes(ThreadPool& pool) const {
   constexpr double kFiner = 1.5;  // density of the quadrature on the incoming side, see LobeOperator
   const DirectionSet fine = set_.finer_by(kFiner);
   const Directions in = fine.in_medium(ior_, VectorXd());
   const Index live = set_.in_medium(ior_, VectorXd()).live;
   const MatrixXd carry = set_.carry_to(fine).topLeftCorner(in.live, live);
-  Columns sums;
+  LobeColumns sums;
   constexpr Index kBlock = 64;  // the columns of all finer nodes at once would take 1.5 times the memory of the result
   for (Index first = 0; first < in.live; first += kBlock) {
     const Index count = std::min(kBlock, in.live - first);
-    const Columns block = columns_from(in.mu.segment(first, count), ior_ * in.scale.segment(first, count), pool);
+    const LobeColumns block = columns_from(in.mu.segment(first, count), ior_ * in.scale.segment(first, count), pool);
     const auto add = [&](std::vector<MatrixXd>& all, const std::vector<MatrixXd>& some) {
       all.resize(some.size());
       pool.run(some.size(), [&](std::size_t m) {

@@ -2,12 +2,11 @@
 // The glossy lobes of a rough boundary as matrices, by azimuth order.
 #pragma once
 #include <memory>
-#include <mutex>
-#include <vector>
 
 #include "numeric/thread_pool.hpp"
 #include "operators/directions.hpp"
 #include "rough/facet_rays.hpp"
+#include "rough/lobe_columns.hpp"
 
 namespace lamina {
 
@@ -19,40 +18,25 @@ namespace lamina {
 /// of the same ranges.
 class LobeOperator {
  public:
-  /// Projections of outgoing light, reflected and transmitted, by order: [live node of that medium, incoming
-  /// direction].
-  struct Columns {
-    std::vector<Eigen::MatrixXd> reflected;
-    std::vector<Eigen::MatrixXd> transmitted;
-  };
-
   /// For light from the medium of index `ior` to the medium of index `beyond`; `beyond` = 0 for an opaque boundary.
   LobeOperator(FacetRays rays, DirectionSet set, double ior, double beyond, int orders)
       : rays_(std::move(rays)), set_(std::move(set)), ior_(ior), beyond_(beyond), orders_(orders) {}
 
-  /// The columns for the targets of the medium of `ior`. The last result is cached, because the rows of a lookup table
-  /// use the same directions.
-  std::shared_ptr<const Columns> from_targets(const Directions& directions, ThreadPool& pool) const;
+  /// The columns for the targets of the medium of `ior`.
+  std::shared_ptr<const LobeColumns> from_targets(const Directions& directions, ThreadPool& pool) const;
 
   /// The columns for the nodes of the set: [live node, live node].
-  Columns on_nodes(ThreadPool& pool) const;
+  LobeColumns on_nodes(ThreadPool& pool) const;
 
  private:
-  struct Answer {
-    std::mutex lock;
-    Eigen::VectorXd mu;
-    Eigen::VectorXd common;
-    std::shared_ptr<const Columns> columns;
-  };
-
-  Columns columns_from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
+  LobeColumns columns_from(const Eigen::VectorXd& mu, const Eigen::VectorXd& common, ThreadPool& pool) const;
 
   FacetRays rays_;
   DirectionSet set_;
   double ior_;
   double beyond_;
   int orders_;
-  std::shared_ptr<Answer> last_ = std::make_shared<Answer>();
+  std::shared_ptr<LastColumns> last_ = std::make_shared<LastColumns>();
 };
 
 }  // namespace lamina

@@ -6,7 +6,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "rough/lobe_values.hpp"
 #include "rough/merged_modes.hpp"
 
 namespace lamina {
@@ -105,8 +104,8 @@ RoughSurface::RoughSurface(const Interface& interface, const DirectionSet& set, 
                       ior_below, orders);
   from_below_.emplace(FacetRays(facets_, below_, pieces(set, ior_below, ior_above, orders, fineness)), set, ior_below,
                       ior_above, orders);
-  LobeOperator::Columns above = from_above_->on_nodes(pool);
-  LobeOperator::Columns below = from_below_->on_nodes(pool);
+  LobeColumns above = from_above_->on_nodes(pool);
+  LobeColumns below = from_below_->on_nodes(pool);
   const Directions over = set.in_medium(ior_above, VectorXd());
   const Directions under = set.in_medium(ior_below, VectorXd());
   const Modes modes_over(set, over);
@@ -149,9 +148,14 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
     const LobeValues lobe = [this](double mu, const FacetPairs& pairs) {
       return values(Face::kTop, Face::kTop, mu, pairs);
     };
-    reflected = resolved_lobe(lobe, set, ior_above, orders, facets_.alpha, 0.5 * std::min(tolerance, 1e-2), pool);
-    constexpr double kNarrowest = 0.03;  // narrower lobes need more nodes than a solve has
-    is_noisy_ = reflected.empty() && facets_.alpha >= kNarrowest;
+    resolved_.emplace(lobe, set, ior_above, facets_.alpha, orders);
+    reflected = resolved_->on_nodes(pool);
+    if (!(resolved_->interpolation_error(reflected, pool) < 0.5 * std::min(tolerance, 1e-2))) {
+      constexpr double kNarrowest = 0.03;  // narrower lobes need more nodes than a solve has
+      is_noisy_ = facets_.alpha >= kNarrowest;
+      reflected.clear();
+      resolved_.reset();
+    }
   }
   if (reflected.empty()) {
     for (const MatrixXd& matrix : from_above_->on_nodes(pool).reflected) {
@@ -170,7 +174,7 @@ RoughSurface::RoughSurface(const Base& base, const DirectionSet& set, double ior
 
 RoughSurface::Operators RoughSurface::on(const Directions& above, const Directions& below, ThreadPool& pool) const {
   Operators operators(*this, above, below);
-  operators.downward_ = from_above_->from_targets(above, pool);
+  operators.downward_ = resolved_ ? resolved_->from_targets(above, pool) : from_above_->from_targets(above, pool);
   if (from_below_) {
     operators.upward_ = from_below_->from_targets(below, pool);
   }
@@ -201,7 +205,7 @@ std::vector<LobeOperator> RoughSurface::lobes_on(const DirectionSet& set, int or
 }
 
 const MatrixXd& RoughSurface::Operators::from_targets(Face from, Face to, int m) const {
-  const LobeOperator::Columns& columns = from == Face::kTop ? *downward_ : *upward_;
+  const LobeColumns& columns = from == Face::kTop ? *downward_ : *upward_;
   return (from == to ? columns.reflected : columns.transmitted)[static_cast<std::size_t>(m)];
 }
 

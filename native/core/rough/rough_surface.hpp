@@ -9,6 +9,7 @@
 #include "matter/stack.hpp"
 #include "operators/scattering_function.hpp"
 #include "rough/lobe_operator.hpp"
+#include "rough/resolved_lobe.hpp"
 
 namespace lamina {
 
@@ -30,6 +31,8 @@ class RoughSurface {
   /// `tolerance`: the relative pointwise error of the solve.
   RoughSurface(const Base& base, const DirectionSet& set, double ior_above, int orders, ThreadPool& pool,
                double fineness = 1.0, double tolerance = 1e-3);
+  RoughSurface(const RoughSurface&) = delete;  // its resolved lobe calls values()
+  RoughSurface& operator=(const RoughSurface&) = delete;
 
   /// The boundary on directions with targets, one azimuth order at a time. Refers to the boundary and the directions.
   class Operators {
@@ -52,8 +55,8 @@ class RoughSurface {
     const RoughSurface* surface_;
     const Directions* above_;
     const Directions* below_;
-    std::shared_ptr<const LobeOperator::Columns> downward_;
-    std::shared_ptr<const LobeOperator::Columns> upward_;
+    std::shared_ptr<const LobeColumns> downward_;
+    std::shared_ptr<const LobeColumns> upward_;
     // The compensation from any direction to any other is the product of the losses there times this share.
     double share_ = 0.0;
     Eigen::VectorXd lost_above_;
@@ -106,6 +109,7 @@ class RoughSurface {
   FacetOptics below_;
   std::optional<LobeOperator> from_above_;
   std::optional<LobeOperator> from_below_;  // empty for a base
+  std::optional<ResolvedLobe> resolved_;    // of a base whose lobe the nodes resolve
   std::vector<Nodes> nodes_;                // by order
   std::optional<LobeOperator> perfect_;     // of a conductor with compensation: its facets, reflecting everything
   Eigen::MatrixXd perfect_nodes_;

@@ -34,9 +34,9 @@ struct ScatteringBetweenLobes::Level {
   std::vector<Directions> directions;  // by gap, as in the assembly
   std::vector<TruncatedMedium> media;  // by scatterer
   std::vector<LayerShapes> shapes;
-  std::vector<std::vector<std::shared_ptr<const LobeOperator::Columns>>> lobes;  // by boundary; empty: the assembly's
-  std::vector<std::size_t> section;                                              // by scatterer
-  std::vector<DeltaField> fields;                                                // by section
+  std::vector<std::vector<std::shared_ptr<const LobeColumns>>> lobes;  // by boundary; empty: the assembly's
+  std::vector<std::size_t> section;                                    // by scatterer
+  std::vector<DeltaField> fields;                                      // by section
   std::vector<std::size_t> first_layer;
   int orders;
 
@@ -64,7 +64,7 @@ struct ScatteringBetweenLobes::Level {
     if (lobes.empty()) {
       return assembly.surface(boundary).from_targets(from, to, order);
     }
-    const LobeOperator::Columns& own = *lobes[boundary][from == Face::kTop ? 0 : 1];
+    const LobeColumns& own = *lobes[boundary][from == Face::kTop ? 0 : 1];
     return (from == to ? own.reflected : own.transmitted)[static_cast<std::size_t>(order)];
   }
 
