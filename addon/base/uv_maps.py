@@ -9,6 +9,14 @@ def find(mesh, name):
     return next((one for one in mesh.uv_layers if one.active_render), None)
 
 
+def has_none(context):
+    """True if the active object is a mesh without a UV map, of its own or of its modifiers."""
+    thing = context.object
+    if thing is None or thing.type != "MESH":
+        return False
+    return not thing.evaluated_get(context.evaluated_depsgraph_get()).data.uv_layers
+
+
 def missing(thing, name):
     """The sentence for an object without the UV map `name`, for a panel or an error."""
     wanted = f" named “{name}”" if name else ""

@@ -6,7 +6,9 @@ Labels are short because the editor is narrow; tooltips give the details.
 
 import math
 
-from ..base import native, preferences
+import bpy
+
+from ..base import native, preferences, uv_maps
 from ..base.decimals import shortest
 from ..editing import metals, sparkle
 from ..kinds import boundaries, media
@@ -178,6 +180,8 @@ def _draw_orientation(column, owner):
         column.prop(owner, "roughness_v", slider=True)
         column.prop(owner, "angle")
         column.prop(owner.id_data.lamina, "tangent")
+        if owner.id_data.lamina.tangent == "UV" and uv_maps.has_none(bpy.context):
+            column.label(text="The mesh has no UV map", icon="ERROR")
 
 
 def _metal_name(base):

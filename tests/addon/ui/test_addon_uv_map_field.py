@@ -16,6 +16,11 @@ class Layout:
     def column(self, **_):
         return self
 
+    row = column
+
+    def prop(self, *_args, **_named):
+        pass
+
     def label(self, text="", icon="NONE"):
         self.labels.append((text, icon))
 
@@ -66,3 +71,22 @@ def test_a_name_without_a_map_is_a_fault(addon, body):
 def test_a_named_map_needs_no_sentence(addon, body):
     body.data.uv_layers.new(name="First")
     assert drawn(addon, body, "First") == ("", None)
+
+
+def test_a_tangent_by_uv_map_needs_one(addon, body, material):
+    material.lamina.base.anisotropic = True
+    body.data.materials.append(material)
+    bpy.context.view_layer.objects.active = body
+    assert orientation(addon, material) == [("The mesh has no UV map", "ERROR")]
+    material.lamina.tangent = "Z"
+    assert orientation(addon, material) == []
+    material.lamina.tangent = "UV"
+    body.data.uv_layers.new(name="First")
+    assert orientation(addon, material) == []
+
+
+def orientation(addon, material):
+    """The labels below the fields of the base's anisotropy."""
+    layout = Layout()
+    addon.ui.fields._draw_orientation(layout, material.lamina.base)
+    return layout.labels
