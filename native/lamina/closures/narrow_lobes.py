@@ -12,12 +12,12 @@ from .. import _core
 from ..kinds.bases import LEAST_ALPHA, Conductor, HalfSpace, Measured, PrincipledBase, Retroreflector
 from ..kinds.boundaries import Interface
 from ..kinds.fibers import Fibers
-from ..kinds.fields import channel
+from ..kinds.fields import mean
 from ..kinds.films import Film
 from ..kinds.flakes import Flakes
 from ..material.layers import Medium
 from ..material.stack import Stack
-from ..solver.sharp_facets import is_sharp, peak_alpha
+from ..solver.sharp_facets import is_sharp, narrowed, peak_alpha
 
 Rough = Interface | Conductor | PrincipledBase | Retroreflector | Flakes  # they scatter into a lobe unless alpha is 0
 # Facets narrower than LEAST_ALPHA are solved as mirrors, and only their closure has their width.
@@ -170,9 +170,10 @@ def mirror(stack: Stack) -> str:
 
 def _in_order(stack: Stack) -> list[tuple]:
     """(layer or base, index above, index below), top first. Thin films are left out, and interfaces without films
-    between media of one index. In place of a measured base stands a metal with as narrow a lobe."""
+    between media of one index. In place of a measured base stands a metal with as narrow a lobe. Rough boundaries
+    between mirrors are as they are solved."""
     found, above, filmed = [], 1.0, False
-    for layer in stack.layers:
+    for layer in narrowed(stack.layers, stack.base):
         if isinstance(layer, Film):
             filmed = True
             continue
@@ -210,11 +211,6 @@ def _refracted_share(stack: Stack) -> float:
     """Smallest deflection of refracted light per slope of a facet, relative to that of reflected light."""
     shares = [abs(below - above) / max(above, below) for surface, above, below in _rough(stack) if above != below]
     return min(1.0, math.sqrt(0.5) * min(shares, default=1.0))
-
-
-def mean(value) -> float:
-    """A quantity's mean over channels: all channels share one closure."""
-    return value if isinstance(value, int | float) else float(np.mean([channel(value, c) for c in range(len(value))]))
 
 
 def _rounded(alpha: float) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import numbers
+import statistics
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import cast
@@ -192,6 +193,11 @@ def channel_count(values: Sequence[tuple[str, float | tuple[float, ...]]]) -> in
 def channel(value: Channels | None, index: int) -> float:
     """The value of a checked quantity in one channel."""
     return value[index] if isinstance(value, tuple) else cast(float, value)
+
+
+def mean(value: Channels) -> float:
+    """A checked quantity's mean over channels."""
+    return value if isinstance(value, int | float) else statistics.fmean(value)
 
 
 def as_channels(values: Sequence[float]) -> Channels:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Facets narrower than alpha .03, which a bake solves as mirrors: their lobes need many azimuth orders.
+"""Facets narrower than alpha .03, which a bake solves as mirrors: their lobes need many azimuth orders. So do rough
+boundaries between two mirrors that refract light into lobes as narrow as such facets do, see narrowed.
 
 A mirror reflects another share of the light than such facets. At grazing views the facets reflect less, because many of
 them face the light more steeply: a third at a cosine of .05 and alpha .03. Between boundaries light that facets deflect
@@ -9,14 +10,18 @@ light facets of any width reflect. A measured peak that is narrower is solved as
 from __future__ import annotations
 
 import functools
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..kinds.bases import LEAST_ALPHA, Conductor, Measured, PrincipledBase
 from ..kinds.boundaries import Interface
+from ..kinds.fields import mean
 from ..material import half_table
 from ..material.stack import Stack
+from ..material.stack_checks import Base, Layer
 from .core_stack import core_base
 
 
@@ -27,11 +32,36 @@ def is_sharp(surface) -> bool:
     return isinstance(surface, Interface | Conductor) and 0.0 < surface.alpha < LEAST_ALPHA
 
 
+def narrowed(layers: Sequence[Layer], base: Base | None) -> list[Layer]:
+    """The layers of a stack, with narrower facets at each rough boundary between two mirrors that refracts light into
+    lobes no wider than facets of alpha .03 between 1 and 1.5 do. Light crosses such a boundary again and again, which
+    takes too many azimuth orders. Reflection by the new facets is as wide as two refractions by the old ones; the
+    little light that the old ones reflect is too narrow."""
+    found, above = list(layers), 1.0
+    mirrors, rough = [], {}
+    for number, layer in enumerate(layers):
+        if isinstance(layer, Interface):
+            below = mean(layer.ior)
+            width = abs(below - above) * layer.alpha
+            if layer.alpha < LEAST_ALPHA:
+                mirrors += [number] if below != above else []
+            elif 0.0 < width < 0.5 * LEAST_ALPHA and layer.alpha_v is None:
+                rough[number] = replace(layer, alpha=width / (math.sqrt(2.0) * above))
+            above = below
+    if isinstance(base, Conductor) and base.alpha < LEAST_ALPHA:
+        mirrors.append(len(found))
+    for number, layer in rough.items():
+        if mirrors and mirrors[0] < number < mirrors[-1]:
+            found[number] = layer
+    return found
+
+
 def as_mirrors(stack: Stack) -> Stack:
     """The stack with smooth boundaries and metals in place of those with sharp facets."""
-    if not any(map(is_sharp, (*stack.layers, stack.base))):
+    layers = narrowed(stack.layers, stack.base)
+    if not any(map(is_sharp, (*layers, stack.base))):
         return stack
-    return stack.with_facets([_smoothed(layer) for layer in stack.layers], _smoothed(stack.base))
+    return stack.with_facets([_smoothed(layer) for layer in layers], _smoothed(stack.base))
 
 
 def has_sharp_facets(stack: Stack, shown: Stack) -> bool:

@@ -7,7 +7,9 @@ from z_limit import z_limit
 
 import lamina
 from lamina import Conductor, HalfSpace, HenyeyGreenstein, Interface, Lambert, Medium, PrincipledBase, Stack
+from lamina.closures import narrow_lobes
 from lamina.kinds.bases import LEAST_ALPHA
+from lamina.solver.sharp_facets import narrowed
 from lamina.solver.solve import solve_with_mirrors
 
 VIEWS = np.cos(np.radians([50.0, 64.0, 70.0, 75.0, 80.0]))
@@ -127,3 +129,28 @@ def test_a_bake_has_the_energy(inputs):
         angles = np.linspace(0.0, np.pi / 2, table.weights.shape[3])
         weight = np.interp(np.arccos(VIEWS), angles, table.weights[0, -1, 0, :, 0])
         assert weight == pytest.approx(exact[:, 0], rel=0.01)
+
+
+JOINTS = [(1.52, 1.33, 0.05), (1.6, 1.5, 0.1), (1.5, 1.49, 0.5)]
+
+
+@pytest.mark.parametrize("top, below, joint", JOINTS)
+def test_rough_joints_between_mirrors_have_the_energy_of_their_facets(top, below, joint):
+    stack = Stack([Interface(top), Interface(below, alpha=joint)], Conductor(alpha=0.0, facing=0.5, grazing=0.98))
+    with pytest.raises(lamina.SolveError):
+        lamina.solve(stack, "preview")
+    found = solve_with_mirrors(stack).reflectance(VIEWS)[:, 0]
+    walks = [lamina.estimate(stack, None, mu, samples=1 << 16, seed=seed) for seed, mu in enumerate(VIEWS)]
+    scores = [(value - walk.value[0]) / walk.stderr[0] for value, walk in zip(found, walks, strict=True)]
+    assert np.abs(scores).max() < z_limit(4 * len(scores))
+
+
+@pytest.mark.parametrize("top, below, joint", JOINTS)
+def test_the_mirror_between_joints_is_as_wide_as_two_refractions(top, below, joint):
+    mirror = Conductor(alpha=0.0, facing=0.5, grazing=0.98)
+    wide = Stack([Interface(top), Interface(below, alpha=joint)], mirror)
+    assert float(narrow_lobes.mirror(wide).split(":")[1]) == pytest.approx((top - below) * joint * 0.5**0.5, rel=1e-3)
+    for layers in ([Interface(below, alpha=joint)], [Interface(top), Interface(top - 0.4, alpha=0.05)],
+                   [Interface(top, alpha=0.1), Interface(below, alpha=joint)]):
+        assert narrowed(layers, mirror) == layers
+    assert narrowed(wide.layers, Conductor(alpha=0.1, facing=0.5, grazing=0.98)) == list(wide.layers)

@@ -27,7 +27,7 @@ from ...closures.closure_table import column_albedos, view_cosines
 from ...common.progress import Progress, portion
 from ...kinds.bases import LEAST_ALPHA, Black, PrincipledBase
 from ...kinds.boundaries import Interface
-from ...kinds.fields import channel
+from ...kinds.fields import channel, mean
 from ...kinds.table import DARK, THROWN_BACK, TRAPPED, Strip
 from ...material.stack import Stack
 from ..fit.following_fit import FollowingFit
@@ -175,7 +175,7 @@ class Covered(WithInputs):
             return narrow_lobes.closures(self.stack)
         # Refraction stretches a lobe by the index. Facets deflect light that crosses an interface twice
         above = [layer for layer in self.stack.layers if isinstance(layer, Interface)]
-        index = narrow_lobes.mean(above[-1].ior)
+        index = mean(above[-1].ior)
         rough = max(layer.alpha for layer in above)
         least = 2.0**0.5 * abs(index - 1.0) * rough if rough >= LEAST_ALPHA else 0.0
         names = [following_lobes.ggx(index * width, least * width) for width in following_lobes.WIDTHS]
