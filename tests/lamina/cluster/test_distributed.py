@@ -59,7 +59,8 @@ def test_images_of_an_interior_though_a_worker_is_killed(client, a_worker_killed
     if kind == "lit":
         make, arrays = lamina.lit_images, lambda found: (found.lamps, found.sky)
         given["lamps"] = [lamina.Lamp((0, 0, 1))]
-    with a_worker_killed(lambda _share, text: text.startswith("Part 2 of")) as progress:
+    # The progress is polled, and may miss the second part.
+    with a_worker_killed(lambda _share, text: text.startswith("Part") and not text.startswith("Part 1 of")) as progress:
         found = make(solid, interior, folder=tmp_path, progress=progress, spread=distributed.spread(client), **given)
     assert len(list(tmp_path.glob("part-*.npz"))) > 2
     for one, other in zip(arrays(found), arrays(make(solid, interior, threads=1, **given)), strict=True):
