@@ -5,6 +5,8 @@ A library override of a material keeps neither the add-on's properties nor nodes
 library when the file is opened again.
 """
 
+from .messages import RefusedError
+
 
 def is_editable(material):
     return not problem(material)
@@ -17,3 +19,10 @@ def problem(material):
     if material.override_library is not None:
         return "a library override, which does not keep changes of layers: make it local"
     return ""
+
+
+def require(material):
+    """Raises RefusedError for a material that cannot be changed."""
+    found = problem(material)
+    if found:
+        raise RefusedError(f"The material is {found}")

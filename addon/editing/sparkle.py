@@ -36,11 +36,11 @@ def add(material, scene):
     camera by which to set the fading anew."""
     if not sockets(material):
         raise RefusedError(MISSING)
-    if is_on(material) and not has_perspective(scene):
+    starts = not is_on(material)
+    if not starts and not has_perspective(scene):
         raise RefusedError(BY_HAND)
     renders.stop_previews()
     rest_coordinates.store_for(material)
-    starts = not is_on(material)
     for node in node_group.group_nodes(material):
         if starts:
             node.inputs[SPARKLE].default_value = USUAL

@@ -33,9 +33,7 @@ def add(material, height=HEIGHT):
         found.inputs["Scale"].default_value = height / unit
         return found
     thickness.required_sockets(material)
-    problem = editable.problem(material)
-    if problem:
-        raise RefusedError(f"The material is {problem}")
+    editable.require(material)
     tree, own = material.node_tree, _target(material)
     if own is None:
         raise RefusedError("The material has no Material Output: add one")

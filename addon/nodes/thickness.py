@@ -99,9 +99,7 @@ def wire_thickness(material, source, name="", uv_map="", replace=False, to=FRONT
     renders.stop_previews()
     if source not in SOURCES:
         raise RefusedError(f"source = {source!r}: must be one of {', '.join(SOURCES)}")
-    problem = editable.problem(material)
-    if problem:
-        raise RefusedError(f"The material is {problem}")
+    editable.require(material)
     sockets, mark = required_sockets(material, to), INPUTS[to]
     foreign = [link.from_node for socket in sockets for link in socket.links if not link.from_node.get(MARK)]
     if foreign and not replace:
@@ -249,6 +247,11 @@ def new_image(material, of=FRONT, value=0.0):
     return data_image.plain(name, IMAGE_SIZE, value, float_buffer=True)
 
 
+def images_read(tree):
+    """The images that a material's nodes read as thickness or coverage."""
+    return {node.image for node in tree.nodes if node.get(MARK, "").endswith("image") and node.image}
+
+
 def _image(material, wanted, of):
     """The wanted image, set up to hold numbers, or a new black one. Raises RefusedError."""
     if not wanted:
@@ -259,7 +262,7 @@ def _image(material, wanted, of):
         raise RefusedError(f"image = {wanted!r}: this file has no image of that name")
     texels = _odd_texels(image)
     if image_problem(image) or texels is not None:
-        mine = {node.image for node in material.node_tree.nodes if node.get(MARK, "").endswith("image")}
+        mine = images_read(material.node_tree)
         if not image.is_editable or image.users - image.use_fake_user > (image in mine):
             problem = image_problem(image) or f"The image “{image.name}” holds texels that are not finite"
             raise RefusedError(f"{problem}, and it is used elsewhere as it is")

@@ -93,7 +93,7 @@ BlockLayer medium_layer(const std::shared_ptr<const MediumOnNodes>& own, const s
 
 /// Throws for a rough boundary between indices so near to each other that its refracted lobes are too narrow.
 void refuse_nearly_matched(const Stack& stack) {
-  constexpr double kNarrowest = 0.01;  // measured: values beside highlights are off by a third, and by 6 % at .02
+  constexpr double kNarrowest = 0.01;  // values beside highlights are off by up to four fifths, see docs/limits.md
   const std::vector<double> indices = refractive_indices(stack);
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     const Facets* facets = facets_of(stack, layer);

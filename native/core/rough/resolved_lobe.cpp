@@ -8,15 +8,12 @@
 #include "numeric/quadrature.hpp"
 
 namespace lamina {
-namespace {
 
 using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
-
-}  // namespace
 
 /// Between grazing directions, lobes are as narrow as their cosines: Gauss rules on intervals that are halved towards
 /// azimuth 0.

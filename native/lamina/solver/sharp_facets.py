@@ -42,10 +42,12 @@ def narrowed(layers: Sequence[Layer], base: Base | None) -> list[Layer]:
     for number, layer in enumerate(layers):
         if isinstance(layer, Interface):
             below = mean(layer.ior)
+            if below == above:
+                continue
             width = abs(below - above) * layer.alpha
             if layer.alpha < LEAST_ALPHA:
-                mirrors += [number] if below != above else []
-            elif 0.0 < width < 0.5 * LEAST_ALPHA and layer.alpha_v is None:
+                mirrors.append(number)
+            elif width < 0.5 * LEAST_ALPHA and layer.alpha_v is None:
                 rough[number] = replace(layer, alpha=width / (math.sqrt(2.0) * above))
             above = below
     if isinstance(base, Conductor) and base.alpha < LEAST_ALPHA:

@@ -146,7 +146,7 @@ def test_rough_joints_between_mirrors_have_the_energy_of_their_facets(top, below
 
 
 @pytest.mark.parametrize("top, below, joint", JOINTS)
-def test_the_mirror_between_joints_is_as_wide_as_two_refractions(top, below, joint):
+def test_the_mirror_below_a_joint_is_as_wide_as_two_refractions(top, below, joint):
     mirror = Conductor(alpha=0.0, facing=0.5, grazing=0.98)
     wide = Stack([Interface(top), Interface(below, alpha=joint)], mirror)
     assert float(narrow_lobes.mirror(wide).split(":")[1]) == pytest.approx((top - below) * joint * 0.5**0.5, rel=1e-3)
