@@ -388,7 +388,13 @@ void lamina::bind_mesh_walk(py::module_& module) {
       .def(py::init([](const BoundSolid& solid, const Lamp& lamp) {
              return PhotonSource(*solid.solid, lamp, solid.occluders.get());
            }),
-           py::arg("solid"), py::arg("lamp"), py::keep_alive<1, 2>());
+           py::arg("solid"), py::arg("lamp"), py::keep_alive<1, 2>())
+      .def(
+          "split_along",
+          [](PhotonSource& self, BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary) {
+            without_gil([&] { self.split_along(solid.walk(grid.grid, boundary), solid.pool); });
+          },
+          py::arg("solid"), py::arg("grid"), py::arg("boundary"), "Splits photons in dark parts from now on.");
   py::class_<SurfaceTexels>(module, "SurfaceTexels", "The parts of a surface below the texels of an image.")
       .def(py::init(&surface_texels), py::arg("solid"), py::arg("uvs"), py::arg("numbers"), py::arg("positions"),
            py::arg("normals"), py::keep_alive<1, 2>(),

@@ -182,7 +182,7 @@ class Problem:
     def described_photons(self) -> dict:
         """The same of photons for the image."""
         lamps, image = self.lights.lamps, self.image  # type: ignore[union-attr]  # photons have both
-        return {**self.described, "kind": "photons", "points": self.points.hash + image.hash,  # type: ignore[union-attr]
+        return {**self.described, "kind": "photons", "split": True, "points": self.points.hash + image.hash,  # type: ignore[union-attr]
                 "lamps": [to_json(lamp) for lamp in lamps], "surroundings": None}
 
 

@@ -132,6 +132,30 @@ def test_photons_and_walks_agree(filled, interior, surface, samples, occluders):
     assert (ratio.swapaxes(0, 1)[:, across] > 0.05).mean() > 0.2  # light changes by view
 
 
+def test_dark_texels_have_little_noise():
+    """Photons are split on their way into a rod that is lit at one end. At the other end there is less than a hundredth
+    of the light. Without splitting, its noise relative to the light would grow with the square root; it grows by less
+    than half of that, and walks from there find as much light."""
+    solid, uvs, across = of_voxels({(x, 0, 0) for x in range(4)})
+    material = EndMaterial((2.0, 2.0, 2.0), (0.05, 0.05, 0.05))
+    lamp = Lamp([-1.0, 0.0, 0.0])
+    walker = walker_of(solid, uvs, PER_SIDE * across, Interior.uniform(material), None, [lamp])
+    value, stderr = (found[:, 0, 0] for found in radiance(walker, 400, 5))
+    points = walker.problem.points
+    bright, dark = points.positions[:, 0] < 1.0, points.normals[:, 0] > 0.5
+
+    def noise(chosen):
+        return np.sqrt((stderr[chosen] ** 2).mean()) / value[chosen].mean()
+
+    ratio = value[dark].mean() / value[bright].mean()
+    assert ratio < 0.01 and noise(dark) < 0.5 / np.sqrt(ratio) * noise(bright)
+    far = points.only(dark)
+    found = estimated(Problem(solid, Interior.uniform(material), None, Lights([lamp]), far), Run(30000, seed=6)).lamps
+    walks, error = found.value[:, 0].mean(), np.sqrt((found.stderr[:, 0] ** 2).sum(axis=0)).mean() / dark.sum()
+    z = (value[dark].mean() - walks) / np.hypot(np.sqrt((stderr[dark] ** 2).sum()) / dark.sum(), error)
+    assert error < 0.05 * walks and abs(z) < z_limit(1)
+
+
 def test_photons_pass_what_does_not_take_their_linking():
     solid, uvs, across = of_voxels(STAIRS)
     lid = Occluders([[-9, -9, 2.5], [9, -9, 2.5], [0, 9, 2.5]], [[0, 1, 2]], shadows=2**64 - 1 - 2)

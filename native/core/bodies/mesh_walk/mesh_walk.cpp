@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_walk/mesh_walk.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "events/survival.hpp"
 #include "mesh_walk/surface_search.hpp"
 #include "mesh_walk/walk_start.hpp"
+#include "mesh_walk/weight_windows.hpp"
 #include "phase/henyey_greenstein.hpp"
 
 namespace lamina {
@@ -21,6 +25,7 @@ constexpr double kInset = 2e-7;
 constexpr double kStay = 1e-6;
 // So many short moves in a row end a path: many faces may meet at a vertex, but not this many.
 constexpr int kMostStays = 64;
+constexpr double kMostParts = 16.0;  // of a photon that is split at one scattering
 
 }  // namespace
 
@@ -63,14 +68,15 @@ class MeshWalk::Path {
         counts_(counts) {}
 
   void run(const Start& start) {
-    if (!enter(start)) {
-      return;
-    }
-    while (fly() && survives_roulette()) {
+    if (enter(start)) {
+      follow();
     }
   }
 
-  void run(const Photon& photon) {
+  void run(const Photon& photon, const WeightWindows* windows) {
+    std::vector<Path> parts;
+    windows_ = windows;
+    parts_ = &parts;
     place_ = photon.place;
     normal_ = photon.normal;
     face_ = photon.face;
@@ -80,11 +86,20 @@ class MeshWalk::Path {
     if (direction_.dot(normal_) > 0.0 && !follow_outside()) {
       return;
     }
-    while (fly() && survives_roulette()) {
+    follow();
+    while (!parts.empty()) {
+      Path part = std::move(parts.back());
+      parts.pop_back();
+      part.follow();
     }
   }
 
  private:
+  void follow() {
+    while (fly() && survives_roulette()) {
+    }
+  }
+
   /// The light (backwards, from the eye) meets the boundary. Returns false if it does not enter.
   bool enter(const Start& start) {
     const Ray& normal = start.normal;
@@ -234,6 +249,33 @@ class MeshWalk::Path {
     ++scatterings_;
     stays_ = 0;
     listener_.scatters({place_, direction_, sample, weights_, leader_, normal_, shells_}, aside_);
+    if (windows_ != nullptr) {
+      split(sample);
+    }
+    draw_direction(sample);
+  }
+
+  /// Splits a photon whose weight is larger than it should be here. Its parts wait at the scattering.
+  void split(const CoefficientGrid::Sample& sample) {
+    target_ = windows_->target(place_);
+    const double parts = std::min(kMostParts, std::floor(mean_of(weights_) / target_));
+    if (parts < 2.0) {
+      return;
+    }
+    for (double& weight : weights_) {
+      weight /= parts;
+    }
+    for (int part = 1; part < static_cast<int>(parts); ++part) {
+      parts_->push_back(*this);
+      Path& other = parts_->back();
+      other.rng_ = Rng(rng_.bits(), 0);
+      other.aside_ = Rng(other.rng_.bits(), 0);
+      other.draw_direction(sample);
+    }
+  }
+
+  /// After a scattering.
+  void draw_direction(const CoefficientGrid::Sample& sample) {
     const HenyeyGreenstein first{sample.g_first};
     if (sample.g_first == sample.g_second) {
       direction_ = scattered(direction_, first.sample(rng_.uniform()), rng_);
@@ -346,7 +388,7 @@ class MeshWalk::Path {
   }
 
   bool survives_roulette() {
-    const double before = mean_of(weights_);
+    const double before = mean_of(weights_) / target_;
     double after = before;
     if (!survives(after, aside_)) {
       return false;
@@ -369,6 +411,9 @@ class MeshWalk::Path {
   Rng aside_;  ///< for roulette and the listener, which need numbers at other times in other channels
   WalkListener& listener_;
   WalkCounts& counts_;
+  const WeightWindows* windows_ = nullptr;
+  std::vector<Path>* parts_ = nullptr;  ///< of a photon
+  double target_ = 1.0;                 ///< the weight that the path should have
 
   Place place_;
   Ray direction_;
@@ -390,9 +435,9 @@ void MeshWalk::run(const Start& start, Rng& rng, WalkListener& listener, WalkCou
   }
 }
 
-void MeshWalk::shine(const Photon& photon, std::size_t leader, Rng& rng, WalkListener& listener,
-                     WalkCounts& counts) const {
-  Path(*this, leader, true, Rng(rng.bits(), leader), listener, counts).run(photon);
+void MeshWalk::shine(const Photon& photon, std::size_t leader, Rng& rng, WalkListener& listener, WalkCounts& counts,
+                     const WeightWindows* windows) const {
+  Path(*this, leader, true, Rng(rng.bits(), leader), listener, counts).run(photon, windows);
 }
 
 }  // namespace lamina

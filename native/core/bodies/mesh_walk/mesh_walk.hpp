@@ -12,6 +12,8 @@
 
 namespace lamina {
 
+class WeightWindows;
+
 /// Light at the surface. By reciprocity, light that enters where a walk leaves, against its direction, contributes with
 /// these weights to the light that leaves at the start of the walk.
 struct Meeting {
@@ -115,8 +117,10 @@ class MeshWalk {
     Ray direction;  ///< of travel
     double weight;
   };
-  /// The path of a photon, led by one channel. Weights are those of the light's power.
-  void shine(const Photon& photon, std::size_t leader, Rng& rng, WalkListener& listener, WalkCounts& counts) const;
+  /// The path of a photon, led by one channel. Weights are those of the light's power. `windows`: splits the photon in
+  /// dark parts; null: nowhere.
+  void shine(const Photon& photon, std::size_t leader, Rng& rng, WalkListener& listener, WalkCounts& counts,
+             const WeightWindows* windows) const;
 
   /// Unbiased estimate per channel, by ratio tracking (Novak et al. 2014), of the transmittance from a position inside
   /// the solid along a direction up to the distance `farthest`. The ray may leave and enter the solid again. For a

@@ -7,6 +7,7 @@
 
 #include "mesh_walk/lamp.hpp"
 #include "mesh_walk/mesh_walk.hpp"
+#include "mesh_walk/weight_windows.hpp"
 
 namespace lamina {
 
@@ -22,6 +23,10 @@ class PhotonSource {
   /// Nothing for light in shadow.
   std::optional<MeshWalk::Photon> photon(Rng& rng, WalkCounts& counts) const;
 
+  /// Photons are split along a walk from now on.
+  void split_along(const MeshWalk& walk, ThreadPool& pool) { windows_.emplace(walk, solid_, *this, pool); }
+  const WeightWindows* windows() const { return windows_ ? &*windows_ : nullptr; }
+
  private:
   /// Part `number` of side * side parts of a face, all of one area.
   struct Patch {
@@ -36,6 +41,7 @@ class PhotonSource {
   double flux_ = 0.0;
   std::vector<Patch> patches_;
   std::vector<double> up_to_;  ///< sums of the patches' probabilities
+  std::optional<WeightWindows> windows_;
 };
 
 }  // namespace lamina
