@@ -123,6 +123,10 @@ class PhotonSource:
     """
     def __init__(self, solid: Solid, lamp: Lamp) -> None:
         ...
+    def split_along(self, solid: Solid, grid: Grid, boundary: Boundary) -> None:
+        """
+        Splits photons in dark parts from now on.
+        """
 class SurfaceTexels:
     """
     The parts of a surface below the texels of an image.

@@ -4,21 +4,48 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "phase/phase_blend.hpp"
 
 namespace lamina {
 
-GradedMedium::GradedMedium(std::vector<Knot> knots) : knots_(std::move(knots)) {
-  const std::size_t count = knots_.size();
-  if (count < 2 || knots_.front().tau != 0.0) {
+std::vector<GradedMedium::Knot> GradedMedium::without_slivers(std::vector<Knot> knots) {
+  constexpr double kThinnest = 1e-12;  // of the whole thickness
+  const double tau = knots.back().tau;
+  const double thinnest = std::isinf(tau) ? 0.0 : kThinnest * tau;
+  std::vector<Knot> kept;
+  for (Knot& knot : knots) {
+    if (!kept.empty() && knot.tau - kept.back().tau <= thinnest) {
+      knot.tau = kept.back().tau;
+    }
+    if (kept.size() > 1 && kept[kept.size() - 2].tau == knot.tau) {
+      kept.pop_back();
+    }
+    kept.push_back(std::move(knot));
+  }
+  if (kept.size() > 2 && kept[1].tau == 0.0) {
+    kept.erase(kept.begin());
+  }
+  if (kept.size() > 2 && kept[kept.size() - 2].tau == kept.back().tau) {
+    kept.pop_back();
+  }
+  kept.back().tau = tau;
+  return kept;
+}
+
+GradedMedium::GradedMedium(std::vector<Knot> knots) {
+  if (knots.size() < 2 || knots.front().tau != 0.0) {
     throw std::invalid_argument("knots: must be at least two, the first at tau = 0");
   }
-  for (std::size_t k = 1; k < count; ++k) {
-    const bool at_an_end = k == 1 || k == count - 1;
-    if (!(at_an_end ? knots_[k].tau > knots_[k - 1].tau : knots_[k].tau >= knots_[k - 1].tau)) {
+  for (std::size_t k = 1; k < knots.size(); ++k) {
+    const bool at_an_end = k == 1 || k == knots.size() - 1;
+    if (!(at_an_end ? knots[k].tau > knots[k - 1].tau : knots[k].tau >= knots[k - 1].tau)) {
       throw std::invalid_argument("knots: tau must ascend");
     }
+  }
+  knots_ = without_slivers(std::move(knots));
+  for (std::size_t k = 1; k < knots_.size(); ++k) {
     keeps_phase_.push_back(alike(knots_[k - 1].phase, knots_[k].phase));
   }
   isotropic_ = std::all_of(knots_.begin(), knots_.end(), [](const Knot& knot) { return knot.phase.is_isotropic(); });

@@ -53,6 +53,9 @@ class GradedMedium {
   /// Knots from the top, tau 0, to the bottom. tau ascends, with equal neighbours only between the first and the last.
   /// Throws std::invalid_argument otherwise.
   explicit GradedMedium(std::vector<Knot> knots);
+  /// Knots without pieces so thin that rounding may take their thickness away: these become jumps inside, and nothing
+  /// at the ends.
+  static std::vector<Knot> without_slivers(std::vector<Knot> knots);
   static GradedMedium homogeneous(double albedo, double tau, const PhaseFunction& phase);
 
   /// The slab on a Lambert surface of that reflectance, [0, 1], which is S at t = 0 for the scattering equation.

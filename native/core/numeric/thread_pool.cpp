@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "numeric/thread_pool.hpp"
 
+#include <system_error>
+
 namespace lamina {
 
 ThreadPool::ThreadPool(unsigned threads) {
   const unsigned hardware = std::max(1U, std::thread::hardware_concurrency());
   const unsigned wanted = threads == 0 ? hardware : threads;
-  for (unsigned i = 1; i < wanted; ++i) {
-    workers_.emplace_back([this] { work(); });
+  workers_.reserve(wanted - 1);
+  try {
+    for (unsigned i = 1; i < wanted; ++i) {
+      workers_.emplace_back([this] { work(); });
+    }
+  } catch (const std::system_error&) {
+    // The system has no more threads. Results do not depend on their number.
   }
 }
 

@@ -171,6 +171,7 @@ Solution Solution::with_reflectance(double reflectance) const {
 }
 
 void Solution::solve(ThreadPool& pool) {
+  const std::scoped_lock guard(*modes_lock_);
   multiple_.clear();
   kept_tables_ = std::make_shared<KeptTables>();
   checks_ = SolveChecks{};

@@ -2,6 +2,7 @@
 // The solved layers of a stack, one channel.
 #pragma once
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "matter/stack.hpp"
@@ -23,7 +24,7 @@ class Solution {
   Solution(SublayerStack sublayers, const Resolution& resolution, ThreadPool& pool);
 
   /// The stack with another thickness of one medium, given by its index in the original stack; a graded medium is
-  /// stretched. The modes, which do not depend on thickness, are shared and may grow: not thread-safe.
+  /// stretched. The modes, which do not depend on thickness, are shared and may grow. Thread-safe.
   Solution with_thickness(std::size_t layer, double tau, ThreadPool& pool) const;
 
   /// The stack at another resolution.
@@ -99,6 +100,7 @@ class Solution {
   std::vector<Directions> native_directions_;               // by scatterer, without targets
   std::vector<std::shared_ptr<const FlakeKernel>> flakes_;  // by scatterer; null for other media
   std::vector<std::shared_ptr<Modes>> modes_;               // by scatterer
+  std::shared_ptr<std::mutex> modes_lock_ = std::make_shared<std::mutex>();
   std::vector<std::vector<MultipleScattering>> multiple_;   // by order, scatterer
   std::vector<Boundary> boundaries_;
   int boundary_orders_ = 0;

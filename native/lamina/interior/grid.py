@@ -79,6 +79,7 @@ class Interior:
                 raise InteriorError(f"{name} has the shape {array.shape}: must be (nx, ny, nz), or (nx, ny, nz, 3)")
             _check_range(array, name, MOST_COEFFICIENT, " 1/mm")
             voxels[..., place * CHANNELS:(place + 1) * CHANNELS] = array if array.ndim == 4 else array[..., None]
+        voxels += 0.0  # makes -0 equal to 0, for the hash
         return cls(voxels, *corners, g=g, smooth=bool(smooth))
 
     @property

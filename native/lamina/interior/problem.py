@@ -86,7 +86,7 @@ class WalkPoints:
 
     @classmethod
     def of(cls, positions, normals, directions=None) -> WalkPoints:
-        """Checked points. `directions`: (n, 3) or (3,), of any length. Raises ArgumentError."""
+        """Checked points. `directions`: (n, 3) or (3,), of any length, out of the surface. Raises ArgumentError."""
         if positions is None:
             if normals is not None:
                 raise ArgumentError("normals are given without points: must be given together")
@@ -96,11 +96,10 @@ class WalkPoints:
             raise ArgumentError(f"normals has {len(normals)} rows: must have {len(positions)} like points")
         if directions is None:
             return cls(positions, normals)
-        views = finite_array(directions, "directions")
-        views = _unit_rows(np.broadcast_to(views, positions.shape) if views.shape == (3,) else views, "directions")
-        if len(views) != len(positions):
-            raise ArgumentError(f"directions has {len(views)} rows: must have {len(positions)} like points, or be one "
-                                "direction")
+        views = _directions(directions, len(positions))
+        inward = np.flatnonzero((views * normals).sum(axis=1) <= 0.0)
+        if len(inward):
+            raise ArgumentError(f"directions[{inward[0]}] points into the solid: must point to the eye, outwards")
         return cls(positions, normals, views)
 
     def on(self, solid: Solid) -> WalkPoints:
@@ -108,7 +107,8 @@ class WalkPoints:
         if self.positions is not None:
             return self
         found = vertex_points(checked_mesh(Mesh(solid.vertices, solid.triangles), "solid"))
-        return WalkPoints.of(found.positions, found.normals, self.views)
+        points = WalkPoints.of(found.positions, found.normals)
+        return points if self.views is None else replace(points, views=_directions(self.views, len(found.positions)))
 
     def only(self, chosen) -> WalkPoints:
         """The chosen ones of given points: a slice, indices or booleans."""
@@ -239,6 +239,14 @@ def _rows(values, name: str) -> np.ndarray:
     if array.ndim != 2 or array.shape[1] != 3 or not len(array):
         raise ArgumentError(f"{name} has the shape {array.shape}: must be (n, 3)")
     return np.ascontiguousarray(array)
+
+
+def _directions(given, points: int) -> np.ndarray:
+    views = finite_array(given, "directions")
+    views = _unit_rows(np.broadcast_to(views, (points, 3)) if views.shape == (3,) else views, "directions")
+    if len(views) != points:
+        raise ArgumentError(f"directions has {len(views)} rows: must have {points} like points, or be one direction")
+    return views
 
 
 def _unit_rows(values, name: str) -> np.ndarray:

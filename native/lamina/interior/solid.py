@@ -128,14 +128,16 @@ def _checked_share(fill_holes, name: str) -> float:
 
 
 def _welded(vertices, triangles, size: float):
-    """(vertices, triangles, which of the given triangles these are) with vertices at equal positions merged."""
+    """(vertices, triangles, which of the given triangles these are) with vertices at equal positions merged. Vertices
+    that no triangle has are left out."""
     low = vertices.min(axis=0)
     rounded = np.rint((vertices - low) / (WELD * size)).astype(np.int64)
     _, first, place = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     triangles = place.ravel()[triangles]
     a, b, c = triangles.T
     kept = (a != b) & (b != c) & (c != a)
-    return vertices[first], np.ascontiguousarray(triangles[kept], np.uint32), kept
+    used, corners = np.unique(triangles[kept], return_inverse=True)
+    return vertices[first[used]], np.ascontiguousarray(corners.reshape(-1, 3), np.uint32), kept
 
 
 def _open_edges(triangles, count: int) -> np.ndarray:

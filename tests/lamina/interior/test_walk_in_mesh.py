@@ -324,3 +324,29 @@ def test_late_light(g, apart):
     assert np.all(np.abs(found.mean(axis=0) - lost) < apart * lost + 1e-5 + z_limit(6, degrees=runs - 1) * error)
     assert np.all(late[..., 0] <= moments[..., 0]) and error[0] < 0.05 * lost[0]
     assert not np.any(walker.exits(Samples(samples, 3), silent, range(1))[3])  # by default, no light is late
+
+
+def test_a_negative_zero_is_a_zero():
+    solid, points, normals = box((0, 0, 0), (4, 4, 4)), [[2.0, 2.0, 4.0]], [[0.0, 0.0, 1.0]]
+    both = [Interior.of_coefficients(np.ones((2, 2, 2)), np.full((2, 2, 2), zero), (0, 0, 0), (4, 4, 4))
+            for zero in (0.0, -0.0)]
+    assert both[0].hash == both[1].hash
+    for interior in both:
+        found = lamina.walk_in_mesh(solid, interior, points=points, normals=normals, samples=64)
+        assert np.all(found.albedo.value == 1.0)
+
+
+def test_vertices_without_faces_do_not_count():
+    """They gave the walk a wrong size of the solid, so that it stepped over faces."""
+    solid, interior = box((0, 0, 0), (4, 4, 4)), Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
+    more = lamina.Solid(np.vstack([solid.vertices, [[1e8, 0.0, 0.0]]]), solid.triangles)
+    found = [lamina.walk_in_mesh(one, interior, points=[[2.0, 2.0, 4.0]], normals=[[0.0, 0.0, 1.0]], samples=500)
+             for one in (solid, more)]
+    np.testing.assert_array_equal(found[0].albedo.value, found[1].albedo.value)
+
+
+def test_directions_into_the_solid_are_refused():
+    solid, interior = box((0, 0, 0), (4, 4, 4)), Interior.uniform(EndMaterial(SIGMA_S, SIGMA_A, G))
+    with pytest.raises(lamina.ArgumentError, match=r"directions\[0\] points into the solid: must point to the eye"):
+        lamina.walk_in_mesh(solid, interior, points=[[2.0, 2.0, 4.0]], normals=[[0.0, 0.0, 1.0]],
+                            directions=[1.0, 0.0, -0.2])

@@ -3,6 +3,7 @@
 
 import math
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -93,3 +94,14 @@ def test_a_clear_medium_has_no_optical_thickness():
     with pytest.raises(lamina.ArgumentError, match=r"taus\[0\] = 1: must be 0 in a channel where the medium neither"):
         lamina.solve(water, "preview").with_thickness(0, [1.0, 1.0, 1.0])
     assert lamina.solve(water, "preview").with_thickness(0, [0.0, 1.0, 1.0]).stack.optics(0, 0)[1] == 0.0
+
+
+def test_several_threads_at_once():
+    """Azimuth orders are added for the thicker media, which all share them."""
+    solved = lamina.solve(Stack([Medium(0.99, 2e-5, HenyeyGreenstein(0.95))], Lambert(0.3)), "preview")
+    thicknesses = (0.1, 0.2, 0.3, 0.15)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda tau: solved.with_thickness(0, tau), thicknesses))
+    for one, tau in zip(found, thicknesses, strict=True):
+        again = lamina.solve(Stack([Medium(0.99, 2e-5, HenyeyGreenstein(0.95))], Lambert(0.3)), "preview")
+        np.testing.assert_array_equal(values(one), values(again.with_thickness(0, tau)))

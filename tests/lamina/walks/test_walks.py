@@ -244,3 +244,19 @@ def test_the_command_says_that_there_was_no_walk(tmp_path, capsys):
     assert capsys.readouterr().out.splitlines()[0].endswith(" +- 0 (no walk: known beforehand)")
     assert main([*call, "transfer"]) == 0
     assert "4096 samples" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("method", ["scattering", "transfer", "adding"])
+def test_the_thinnest_pieces(method):
+    """Knots nearer to each other than rounding errors, and a medium so thin that single precision has no number for its
+    thickness: what is left scatters as without them."""
+    def estimated(layers, side="top"):
+        return float(lamina.estimate(Stack(layers), 0.5, 0.5, method=method, samples=4096, side=side).value[0])
+
+    knots = [Knot(0.0, 0.9), Knot(1e-17, 0.5), Knot(1.0, 0.2)]
+    for side in ("top",) if method == "scattering" else ("top", "bottom"):
+        assert estimated([Medium(tau=1.0, profile=knots)], side) == pytest.approx(
+            estimated([Medium(tau=1.0, profile=[Knot(0.0, 0.5), knots[2]])], side), rel=1e-9)
+    thin = estimated([Medium(0.9, 1e-300, HenyeyGreenstein(0.5))])
+    assert thin == pytest.approx(1e-280 * estimated([Medium(0.9, 1e-20, HenyeyGreenstein(0.5))]), rel=1e-3)
+    assert estimated([Medium(0.9, 1.0), Medium(0.5, 1e-17)]) == pytest.approx(estimated([Medium(0.9, 1.0)]), rel=0.05)

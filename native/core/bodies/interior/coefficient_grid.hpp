@@ -94,9 +94,9 @@ class CoefficientGrid {
   /// By channel, then of all channels.
   using Majorants = std::array<float, kChannels + 1>;
 
-  /// Converts a half to a float. The half must be finite and not negative.
+  /// Converts a half to a float. The half must be finite and not negative, but may be -0.
   static float half(std::uint16_t bits) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 13U) * 0x1.0p112F;
+    return std::bit_cast<float>(static_cast<std::uint32_t>(bits & 0x7fffU) << 13U) * 0x1.0p112F;
   }
 
   Sample voxel(std::size_t index) const {

@@ -29,7 +29,11 @@ using Values = Eigen::Array<float, kCandidates, 1>;
 constexpr double kEager = 0.6;
 constexpr double kLeastOn = 0.05;
 
-const AzimuthLattice<kCandidates> lattice;
+/// Made on the first call: code at the start of the program would run before the check of the processor.
+const AzimuthLattice<kCandidates>& lattice() {
+  static const AzimuthLattice<kCandidates> made;
+  return made;
+}
 
 /// Directions about a ray.
 class RayFrame {
@@ -288,8 +292,8 @@ class GuidedTransferWalk final : public Walk {
   /// Direction k of the lattice about an axis, turned by an angle of this cosine and sine.
   static Ray lattice_ray(const RayFrame& axis, double cosine, std::size_t k, double turn_cosine, double turn_sine) {
     const double sine = sine_of(cosine);
-    const double along = sine * (turn_cosine * lattice.cosine[k] - turn_sine * lattice.sine[k]);
-    const double aside = sine * (turn_sine * lattice.cosine[k] + turn_cosine * lattice.sine[k]);
+    const double along = sine * (turn_cosine * lattice().cosine[k] - turn_sine * lattice().sine[k]);
+    const double aside = sine * (turn_sine * lattice().cosine[k] + turn_cosine * lattice().sine[k]);
     return axis.tilted(cosine, along, aside);
   }
 

@@ -74,7 +74,12 @@ struct Edges {
     }
   }
 };
-const Edges edges;
+
+/// Made on the first call: code at the start of the program would run before the check of the processor.
+const Edges& edges() {
+  static const Edges made;
+  return made;
+}
 
 /// The inverse of knot_azimuth, from the cosine of the azimuth.
 double knot_of_azimuth(double cosine, double last) {
@@ -126,8 +131,8 @@ struct LayerTable::Solved {
       passages.push_back({side, Path::kReflect});
       passages.push_back({side, Path::kTransmit});
     }
-    const Eigen::VectorXd mu = Eigen::Map<const Eigen::VectorXd>(edges.cosine.data(), kAngles);
-    const Eigen::VectorXd azimuths = Eigen::Map<const Eigen::VectorXd>(edges.azimuth.data(), kAzimuths);
+    const Eigen::VectorXd mu = Eigen::Map<const Eigen::VectorXd>(edges().cosine.data(), kAngles);
+    const Eigen::VectorXd azimuths = Eigen::Map<const Eigen::VectorXd>(edges().azimuth.data(), kAzimuths);
     at_knots = evaluate_grids(solution, passages, mu, mu, azimuths, pool);
     const Eigen::VectorXd compared = compared_cosines();
     between = evaluate_grids(solution, passages, compared, compared, compared_azimuths(), pool);
@@ -153,10 +158,10 @@ void LayerTable::lay(const Solved& solved, std::size_t side, ThreadPool& pool) {
     const std::vector<double>& exact = solved.at_knots[2 * side + way];
     table_[way].resize(exact.size());
     pool.run(kAngles, [&](std::size_t row) {
-      const double o = edges.cosine[row];
+      const double o = edges().cosine[row];
       std::size_t place = row * kAngles * kAzimuths;
-      for (const double i : edges.cosine) {
-        for (const double azimuth : edges.azimuth) {
+      for (const double i : edges().cosine) {
+        for (const double azimuth : edges().azimuth) {
           table_[way][place] = static_cast<float>((exact[place] - once(way, o, i, std::cos(azimuth))) * (o + i));
           ++place;
         }
@@ -263,14 +268,14 @@ void LayerTable::lay_sampling(ThreadPool& pool, const Eigen::VectorXd& scattered
       double whole = 0.0;
       for (std::size_t a = 0; a < kRanges; ++a) {
         const double mu_o = knot_cosine(static_cast<double>(a) + 0.5, kRanges);
-        const double width = edges.cosine[a] - edges.cosine[a + 1];
+        const double width = edges().cosine[a] - edges().cosine[a + 1];
         const float* corners = table_[way].data() + (a * kAngles + incident) * kAzimuths;
         for (std::size_t p = 0; p < kSectors; ++p) {
           double mean = 0.0;
           for (const std::size_t corner : {p, p + kAzimuths, p + kAngles * kAzimuths, p + (kAngles + 1) * kAzimuths}) {
             mean += 0.125 * (corners[corner] + corners[corner + 1]);
           }
-          const double solid = 2.0 * mu_o * width * (edges.azimuth[p + 1] - edges.azimuth[p]);
+          const double solid = 2.0 * mu_o * width * (edges().azimuth[p + 1] - edges().azimuth[p]);
           shares.push_back(solid * std::max(0.0, mean / (mu_o + mu_i)));
           until.push_back(solid);
           whole += shares.back();
@@ -356,11 +361,11 @@ bool LayerTable::scatter_again(Way way, const Sampling& sampling, Ray& ray, doub
   const auto cell = static_cast<std::size_t>(std::lower_bound(until.begin(), until.end(), u) - until.begin());
   const double probability = (until[cell] - (cell > 0 ? until[cell - 1] : 0.0)) / until.back();
   constexpr std::size_t kSectors = kAzimuths - 1;
-  const double upper = edges.cosine[cell / kSectors];
-  const double lower = edges.cosine[cell / kSectors + 1];
+  const double upper = edges().cosine[cell / kSectors];
+  const double lower = edges().cosine[cell / kSectors + 1];
   const double mu = lower + (upper - lower) * rng.uniform();
-  const double begin = edges.azimuth[cell % kSectors];
-  const double wide = edges.azimuth[cell % kSectors + 1] - begin;
+  const double begin = edges().azimuth[cell % kSectors];
+  const double wide = edges().azimuth[cell % kSectors + 1] - begin;
   const double turn = begin + wide * rng.uniform();
   const double cosine = std::cos(turn);
   const double sine = std::copysign(sine_of(cosine), rng.uniform() - 0.5);
