@@ -9,7 +9,8 @@ from importlib.resources import files
 
 import numpy as np
 
-from ..kinds.spectra import D65, Spectrum
+from ..kinds.spectra import D65, ILLUMINANT, POWER, Spectrum, check_wavelengths
+from .errors import ArgumentError, StackError
 from .srgb import LUMINANCE
 
 PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
@@ -30,7 +31,7 @@ def rec709_under(illuminant: str | Spectrum = D65) -> tuple[np.ndarray, np.ndarr
     of its white to D65, the white of Rec. 709: each row has the sum 1."""
     wavelengths, x, y, z, d65, a, led = _table()
     if isinstance(illuminant, Spectrum):
-        light = np.array([illuminant.at(one) for one in wavelengths]).real
+        light = _light(illuminant, wavelengths)
     else:
         light = {D65: d65, "A": a, "E": np.ones_like(d65), "LED": led}[illuminant]
     weights = np.array([x, y, z]) * light
@@ -41,6 +42,27 @@ def rec709_under(illuminant: str | Spectrum = D65) -> tuple[np.ndarray, np.ndarr
     xyz = np.array([PRIMARIES[:, 0], PRIMARIES[:, 1], 1.0 - PRIMARIES.sum(axis=1)]) / PRIMARIES[:, 1]
     primaries = xyz * np.linalg.solve(xyz, weights.sum(axis=1))
     return wavelengths, np.linalg.solve(primaries, weights)
+
+
+def _light(lamp: Spectrum, wavelengths: np.ndarray) -> np.ndarray:
+    """The light of a lamp at equidistant wavelengths, between which the observer is linear: the mean over the hat
+    function of each, by the trapezoidal rule at these and the lamp's own wavelengths. Lamps may have narrow lines."""
+    step = wavelengths[1] - wavelengths[0]
+    own = [one for one in lamp.wavelengths if wavelengths[0] - step < one < wavelengths[-1] + step]
+    every = np.unique([wavelengths[0] - step, *wavelengths, wavelengths[-1] + step, *own])
+    power = np.array([lamp.at(one) for one in every]).real * np.gradient(every)  # widths; no hat reaches the ends
+    return np.maximum(1.0 - np.abs(wavelengths[:, None] - every) / step, 0.0) @ power / step
+
+
+def checked_illuminant(given) -> str | Spectrum:
+    """The illuminant, checked. Raises StackError."""
+    if not isinstance(given, Spectrum):
+        return ILLUMINANT.check(given, ILLUMINANT.name)
+    lamp = given.checked(POWER, ILLUMINANT.name)
+    wavelengths, _, y, *_ = _table()
+    if not y @ _light(lamp, wavelengths) > 0.0:
+        raise StackError("illuminant.values: must not all be 0 from 380 to 780 nm, where the eye sees")
+    return lamp
 
 
 @cache
@@ -56,7 +78,12 @@ def rec709_of(wavelengths: tuple[float, ...], illuminant: str | Spectrum = D65) 
 def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1,
            illuminant: str | Spectrum = D65) -> np.ndarray:
     """Reflectances, or other factors of light, by wavelength in nm along `axis`, as linear Rec. 709 under an
-    illuminant, see Stack. White surfaces are white; colours are not clipped."""
+    illuminant, see Stack. White surfaces are white; colours are not clipped. Raises StackError, ArgumentError."""
+    wavelengths, values = check_wavelengths(wavelengths), np.asarray(values)
+    illuminant = checked_illuminant(illuminant)
+    if values.ndim == 0 or values.shape[axis] != len(wavelengths):
+        raise ArgumentError(f"values has the shape {values.shape}: must have {len(wavelengths)} values along axis "
+                            f"{axis}, as many as wavelengths")
     return np.moveaxis(np.tensordot(rec709_of(wavelengths, illuminant), values, (1, axis)), 0, axis)
 
 

@@ -31,6 +31,15 @@ ILLUMINANT = Option("illuminant", (D65, "A", "E", "LED"), "Seen Under", "The lig
                         Item("LED", "White LED", "CIE LED-B3, 4103 K", 3)))
 
 
+def check_wavelengths(given) -> tuple[float, ...]:
+    """The wavelengths as a tuple of floats. Raises StackError."""
+    values = WAVELENGTH.check(given, WAVELENGTH.name)
+    values = values if isinstance(values, tuple) else (values,)
+    if len(set(values)) < len(values):
+        raise StackError("wavelengths: must differ from one another")
+    return values
+
+
 @dataclass(frozen=True)
 class Spectrum(Hashable):
     """A quantity by wavelength: `wavelengths` in nm, ascending, in [100, 1e5], and as many `values`. Linear in between,

@@ -8,9 +8,10 @@ from dataclasses import replace
 from typing import NamedTuple, TypeVar
 
 from ..common.errors import StackError, quoted
+from ..common.observer import checked_illuminant
 from ..kinds.bases import Base
 from ..kinds.fields import Field, all_fields, check_forms
-from ..kinds.spectra import D65, ILLUMINANT, POWER, WAVELENGTH, WAVELENGTHS, Spectrum, has_spectrum, sampled
+from ..kinds.spectra import D65, WAVELENGTHS, Spectrum, check_wavelengths, has_spectrum, sampled
 from .layers import Medium
 from .metals import spectral_indices
 from .pigments import absorption
@@ -92,21 +93,7 @@ def _uplifted(thing, wavelengths: Sequence[float], path: str):
 
 def check_illuminant(given, wavelengths: Sequence[float] | None) -> str | Spectrum:
     """The illuminant, checked. Raises StackError."""
-    if isinstance(given, Spectrum):
-        light = given.checked(POWER, "illuminant")
-        if not any(light.values):
-            raise StackError("illuminant.values: must not all be 0")
-    else:
-        light = ILLUMINANT.check(given, ILLUMINANT.name)
+    light = checked_illuminant(given)
     if light != D65 and wavelengths is None:
         raise StackError(f"illuminant = {quoted(given)}: must be left out of a stack without wavelengths")
     return light
-
-
-def check_wavelengths(given) -> tuple[float, ...]:
-    """The wavelengths as a tuple of floats. Raises StackError."""
-    values = WAVELENGTH.check(given, WAVELENGTH.name)
-    values = values if isinstance(values, tuple) else (values,)
-    if len(set(values)) < len(values):
-        raise StackError("wavelengths: must differ from one another")
-    return values

@@ -151,6 +151,7 @@ def test_colours_under_an_illuminant_are_those_of_a_peer():
 @pytest.mark.parametrize(("light", "sentence"), [
     ("sun", "illuminant = 'sun': must be \"D65\" or \"A\" or \"E\" or \"LED\""),
     (Spectrum([400, 700], [0, 0]), "illuminant.values: must not all be 0"),
+    (Spectrum([150, 160, 170], [0, 1, 0]), "illuminant.values: must not all be 0 from 380 to 780 nm"),
     (Spectrum([400, 700], [-1, 0]), "illuminant.values"),
 ])
 def test_bad_illuminants(light, sentence):
@@ -159,6 +160,29 @@ def test_bad_illuminants(light, sentence):
     assert str(caught.value).startswith(sentence)
     with pytest.raises(StackError, match="illuminant = 'A': must be left out of a stack without wavelengths"):
         Stack([], Lambert(0.5), illuminant="A")
+
+
+def test_lamps_with_narrow_lines():
+    """Lines between the wavelengths of the observer's table: between these the observer is linear, so a line counts as
+    its two neighbours, each by its nearness."""
+    bell, every = np.exp(-(((np.arange(400, 701, 10) - 600) / 50) ** 2)), tuple(range(400, 701, 10))
+    lines, width = (437.0, 546.0, 612.0), 0.5
+    lamp = Spectrum([line + side for line in lines for side in (-width, 0.0, width)], [0.0, 5.0 / width, 0.0] * 3)
+    table = np.arange(380.0, 781.0, 5.0)
+    same = Spectrum(table.tolist(), sum(np.maximum(1.0 - abs(table - line) / 5.0, 0.0) for line in lines).tolist())
+    np.testing.assert_allclose(rec709(bell, every, illuminant=lamp), rec709(bell, every, illuminant=same), rtol=1e-9)
+    baked = lamina.bake(Stack([BLOOD], Lambert(0.7), illuminant=Spectrum([531, 532, 533], [0, 1, 0])), "preview")
+    assert np.ptp(baked.reflectance(0.9)) < 0.05 * baked.reflectance(0.9).mean()
+
+
+@pytest.mark.parametrize(("values", "wavelengths", "sentence"), [
+    ([0.5], (500, 600), r"values has the shape \(1,\): must have 2 values along axis -1"),
+    (0.5, (500,), "values has the shape"), ([0.5, 0.5], (500, 500), "wavelengths: must differ from one another")])
+def test_bad_arguments_of_rec709(values, wavelengths, sentence):
+    with pytest.raises((lamina.ArgumentError, StackError), match=sentence):
+        rec709(values, wavelengths)
+    with pytest.raises(StackError, match="illuminant = 'F2'"):
+        rec709([0.5, 0.5], np.array([500.0, 600.0]), illuminant="F2")
 
 
 def test_the_two_colours_of_a_metal_by_its_spectrum_are_not_asked_of_it():
