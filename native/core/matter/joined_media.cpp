@@ -51,7 +51,8 @@ GradedMedium joined_media(const Stack& stack, bool endless) {
     refuse("this base");
   }
   const bool is_one = only != nullptr && knots.size() == 2;
-  return (is_one ? GradedMedium::homogeneous(only->albedo, only->tau, only->phase) : GradedMedium(GradedMedium::without_slivers(std::move(knots))))
+  return (is_one ? GradedMedium::homogeneous(only->albedo, only->tau, only->phase)
+                 : GradedMedium(GradedMedium::without_slivers(std::move(knots))))
       .over(stack.base.kind == Base::Kind::kLambert ? stack.base.reflectance : 0.0);
 }
 

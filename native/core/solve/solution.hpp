@@ -101,7 +101,7 @@ class Solution {
   std::vector<std::shared_ptr<const FlakeKernel>> flakes_;  // by scatterer; null for other media
   std::vector<std::shared_ptr<Modes>> modes_;               // by scatterer
   std::shared_ptr<std::mutex> modes_lock_ = std::make_shared<std::mutex>();
-  std::vector<std::vector<MultipleScattering>> multiple_;   // by order, scatterer
+  std::vector<std::vector<MultipleScattering>> multiple_;  // by order, scatterer
   std::vector<Boundary> boundaries_;
   int boundary_orders_ = 0;
   SolveChecks checks_;
