@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "lateral/fine_quadrature.hpp"
@@ -212,36 +213,87 @@ std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& sta
   return once_scattered(stack, false);
 }
 
-std::optional<LitBase> lit_base(const LateralStack& stack) {
-  const Base& base = stack.measured().stack.base;
-  if (!stack.along_normal() || base.kind != Base::Kind::kLambert || base.reflectance == 0.0) {
-    return std::nullopt;
-  }
+namespace {
+
+/// The media and boundaries from below or above a surface at this layer to a face; nothing if media are missing or too
+/// deep, or if a rough boundary lies elsewhere than at the face.
+std::optional<std::vector<LitSurface::Part>> parts_from(const LateralStack& stack, std::size_t surface, bool up) {
   const std::vector<Layer>& layers = stack.measured().stack.layers;
   const std::vector<Directions>& directions = stack.directions();
-  std::vector<LitBase::Part> parts;
+  std::vector<LitSurface::Part> parts;
   bool media = false;
-  for (std::size_t layer = layers.size(); layer-- > 0;) {
-    const double ior = directions[layer].ior;
-    if (const auto* interface = std::get_if<Interface>(&layers[layer])) {
-      if (interface->is_rough(ior)) {
+  const std::size_t count = up ? surface : layers.size() - std::min(surface + 1, layers.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t layer = up ? surface - 1 - k : surface + 1 + k;
+    const double ior = directions[up ? layer : layer + 1].ior;
+    if (std::holds_alternative<Interface>(layers[layer])) {
+      const LateralStack::Rough* rough = stack.rough(layer);
+      if (rough != nullptr && (up || k + 1 < count)) {
         return std::nullopt;
       }
-      parts.push_back({ior, 0.0, 0.0});
+      parts.push_back({ior, 0.0, 0.0, rough != nullptr ? rough->passed[0] : Eigen::VectorXd()});
     } else if (const auto& medium = stack.media()[layer]) {
       if (std::isinf(medium->thickness())) {
         return std::nullopt;
       }
-      parts.push_back({ior, medium->thickness(), medium->extinction()});
+      parts.push_back({ior, medium->thickness(), medium->extinction(), {}});
       media = true;
     }
   }
-  if (!media) {
-    return std::nullopt;
+  return media ? std::optional(std::move(parts)) : std::nullopt;
+}
+
+/// How a Lambert base, or the facets of a surface, spread the beam upwards or downwards.
+LitSurface::Spread spread_at(const LateralStack& stack, std::size_t surface, bool up) {
+  const Directions& here = stack.directions()[up ? surface : surface + 1];
+  const Eigen::VectorXd by_cosine = here.mu.head(here.live).cwiseProduct(here.weight.head(here.live));
+  if (const LateralStack::Rough* rough = stack.rough(surface)) {
+    const auto lobe = [rough, up, square = here.ior * here.ior](double mu) {
+      const Face to = up ? Face::kTop : Face::kBottom;
+      const double value = rough->surface->value(Face::kTop, to, 1.0, mu, Eigen::ArrayXd::Ones(1))[0];
+      return 2.0 * std::numbers::pi * square * mu * value;
+    };
+    const std::size_t side = up ? 0 : 1;
+    return {rough->spread[side], lobe, rough->repeated[side].cwiseQuotient(by_cosine)};
+  }
+  const double reflectance = stack.measured().stack.base.reflectance;
+  return {2.0 * reflectance * by_cosine, [](double) { return 0.0; },
+          Eigen::VectorXd::Constant(here.live, 2.0 * reflectance), 1.0};
+}
+
+}  // namespace
+
+std::vector<LitSurface> lit_surfaces(const LateralStack& stack, bool up) {
+  std::vector<LitSurface> found;
+  const Base& base = stack.measured().stack.base;
+  const std::size_t layers = stack.measured().stack.layers.size();
+  std::size_t surface = 0;
+  while (surface < layers && stack.rough(surface) == nullptr) {
+    ++surface;
+  }
+  const bool is_lambert = surface == layers && base.kind == Base::Kind::kLambert && base.reflectance > 0.0;
+  if (!stack.along_normal() || !(is_lambert || stack.rough(surface) != nullptr)) {
+    return found;
   }
   const DeltaField field(delta_layers(stack));
-  const double beam = field.from_above[layers.size()].down[directions.front().nodes];
-  return LitBase(directions.back(), beam, base.reflectance, std::move(parts));
+  const double beam = field.from_above[surface].down[stack.directions().front().nodes];
+  const auto add = [&](bool upwards, Eigen::VectorXd echoed) {
+    if (auto parts = parts_from(stack, surface, upwards)) {
+      LitSurface::Spread spread = spread_at(stack, surface, upwards);
+      spread.echoed = std::move(echoed);
+      found.emplace_back(stack.directions()[upwards ? surface : surface + 1], beam, std::move(spread),
+                         std::move(*parts));
+    }
+  };
+  if (up) {
+    add(true, {});
+  } else if (base.kind == Base::Kind::kNone && surface < layers) {
+    add(false, {});
+  }
+  if (up && surface == 0 && layers > 0) {
+    add(false, stack.rough(surface)->passed[1]);
+  }
+  return found;
 }
 
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lateral/lateral_stack.hpp"
-#include "lateral/lit_base.hpp"
+#include "lateral/lit_surface.hpp"
 #include "lateral/oblique_scattering.hpp"
 #include "lateral/once_scattered_beam.hpp"
 
@@ -22,9 +22,10 @@ std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& sta
 std::vector<OnceScatteredBeam> deeper_scattered_upward(const LateralStack& stack);
 std::vector<OnceScatteredBeam> deeper_scattered_downward(const LateralStack& stack);
 
-/// Light of the beam that a Lambert base has reflected and that no medium scatters, see LitBase. Empty for other bases,
-/// for oblique beams, below rough boundaries and without media above the base.
-std::optional<LitBase> lit_base(const LateralStack& stack);
+/// Light of the beam that the first rough boundary, or a Lambert or rough base, spreads towards a face, and that no
+/// medium scatters, see LitSurface; also the light that smooth boundaries below a rough upper face send back. Empty for
+/// oblique beams, without media on the way, and where another rough boundary lies on the way, except at the lower face.
+std::vector<LitSurface> lit_surfaces(const LateralStack& stack, bool up);
 
 /// Unscattered light of an oblique beam that leaves at a distance from the point of entry. The mean over azimuths is a
 /// ring.

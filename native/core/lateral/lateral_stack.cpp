@@ -68,6 +68,7 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
   }
   media_.resize(stack.layers.size());
   lobes_.resize(stack.layers.size() + 1);
+  rough_.resize(stack.layers.size() + 1);
   const int orders = static_cast<int>(resolution.azimuths);
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
     if (const auto* medium = std::get_if<Medium>(&stack.layers[layer])) {
@@ -77,12 +78,12 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
       }
     } else if (const auto* interface = std::get_if<Interface>(&stack.layers[layer])) {
       if (interface->is_rough(indices[layer])) {
-        lobes_[layer] = lobes(RoughSurface(*interface, set, indices[layer], orders, pool), layer, pool);
+        add_rough(std::make_unique<RoughSurface>(*interface, set, indices[layer], orders, pool), layer, pool);
       }
     }
   }
   if (stack.base.is_rough()) {
-    lobes_.back() = lobes(RoughSurface(stack.base, set, indices.back(), orders, pool), stack.layers.size(), pool);
+    add_rough(std::make_unique<RoughSurface>(stack.base, set, indices.back(), orders, pool), stack.layers.size(), pool);
   }
 }
 
@@ -98,10 +99,27 @@ void LateralStack::resolve_passing() {
   }
 }
 
-LateralStack::Lobes LateralStack::lobes(const RoughSurface& surface, std::size_t layer, ThreadPool& pool) const {
-  Lobes found;
+void LateralStack::add_rough(std::unique_ptr<RoughSurface> surface, std::size_t layer, ThreadPool& pool) {
+  const Directions& above = directions_[layer];
   const Directions& below = directions_[std::min(layer + 1, directions_.size() - 1)];
-  const RoughSurface::Operators operators = surface.on(directions_[layer], below, pool);
+  rough_[layer] = std::make_unique<Rough>();
+  rough_[layer]->surface = std::move(surface);
+  Rough& rough = *rough_[layer];
+  const RoughSurface::Operators operators = rough.surface->on(above, below, pool);
+  const VectorXd over = above.ior * above.scale.head(above.live);
+  const VectorXd under = below.ior * below.scale.head(below.live);
+  const ScatteringFunction mean = operators.order(0);
+  const auto keep = [&](std::size_t side, const MatrixXd& kernel, Face to, const VectorXd& common) {
+    rough.spread[side] = kernel.col(above.nodes).head(common.size()).cwiseProduct(common);
+    rough.repeated[side] = rough.spread[side] - operators.from_targets(Face::kTop, to, 0).col(0).cwiseProduct(common);
+  };
+  keep(0, mean.reflect_above.kernel, Face::kTop, over);
+  if (layer < media_.size()) {
+    keep(1, mean.transmit.kernel, Face::kBottom, under);
+    const MatrixXd through = mean.transmit.kernel.topLeftCorner(below.live, above.live);
+    rough.passed = {(through.transpose() * under).cwiseQuotient(over), (through * over).cwiseQuotient(under)};
+  }
+  Lobes found;
   for (int m = 0; m < operators.orders(); ++m) {
     ScatteringFunction order = operators.order(m);
     found.up.emplace_back(order.transmit.kernel.transpose());
@@ -109,7 +127,7 @@ LateralStack::Lobes LateralStack::lobes(const RoughSurface& surface, std::size_t
     found.down.push_back(std::move(order.transmit.kernel));
     found.reflect_below.push_back(std::move(order.reflect_below.kernel));
   }
-  return found;
+  lobes_[layer] = std::move(found);
 }
 
 LateralFunction LateralStack::boundary(std::size_t layer, const LateralRows& rows) const {

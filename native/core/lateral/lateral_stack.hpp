@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A stack with lengths, solved at a lateral frequency by adding.
 #pragma once
+#include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -62,6 +64,17 @@ class LateralStack {
   const std::vector<Directions>& directions() const { return directions_; }
   /// Media by layer; empty for boundaries and for media without thickness.
   const std::vector<std::optional<LateralMedium>>& media() const { return media_; }
+  /// A rough boundary or, one past the layers, a rough base.
+  struct Rough {
+    std::unique_ptr<RoughSurface> surface;
+    /// The light of the beam, reflected and transmitted: flux along live nodes, and the part of it that facets scatter
+    /// repeatedly.
+    std::array<Eigen::VectorXd, 2> spread;
+    std::array<Eigen::VectorXd, 2> repeated;
+    /// The share of light along each live node, above and below, that passes the boundary.
+    std::array<Eigen::VectorXd, 2> passed;
+  };
+  const Rough* rough(std::size_t layer) const { return rough_[layer].get(); }
 
  private:
   /// A rough boundary by azimuth orders, over nodes and the target.
@@ -72,7 +85,7 @@ class LateralStack {
     std::vector<Eigen::MatrixXd> up;
   };
 
-  Lobes lobes(const RoughSurface& surface, std::size_t layer, ThreadPool& pool) const;
+  void add_rough(std::unique_ptr<RoughSurface> surface, std::size_t layer, ThreadPool& pool);
   LateralFunction boundary(std::size_t layer, const LateralRows& rows) const;
   Eigen::MatrixXd base(const LateralRows& rows) const;
   template <typename LayerOf>
@@ -85,6 +98,7 @@ class LateralStack {
   std::vector<Directions> directions_;
   std::vector<std::optional<LateralMedium>> media_;
   std::vector<std::optional<Lobes>> lobes_;  // by layer, the base last
+  std::vector<std::unique_ptr<Rough>> rough_;
 };
 
 }  // namespace lamina

@@ -10,9 +10,9 @@ ResolvedBeam::ResolvedBeam(const MeasuredStack& measured, const LateralResolutio
       once_{once_scattered_upward(stack_), once_scattered_downward(stack_)},
       oblique_{oblique_scattering(stack_, true), oblique_scattering(stack_, false)},
       deeper_{deeper_scattered_upward(stack_), deeper_scattered_downward(stack_)},
-      lit_base_(lit_base(stack_)) {
+      lit_{lit_surfaces(stack_, true), lit_surfaces(stack_, false)} {
   // The closed forms replace light at the nodes themselves.
-  if (deeper_[0].empty() && deeper_[1].empty() && !lit_base_) {
+  if (deeper_[0].empty() && deeper_[1].empty() && lit_[0].empty() && lit_[1].empty()) {
     stack_.resolve_passing();
   }
   if (!stack_.along_normal()) {
@@ -47,9 +47,9 @@ ResolvedBeam::Faces ResolvedBeam::beside(double q, const AzimuthRule& azimuths) 
     for (const OnceScatteredBeam& deeper : deeper_[face]) {
       rest[face] += deeper.at(q) - deeper.discretised(q, azimuths);
     }
-  }
-  if (lit_base_) {
-    rest[0] += lit_base_->at(q) - lit_base_->discretised(q, azimuths);
+    for (const LitSurface& lit : lit_[face]) {
+      rest[face] += lit.at(q) - lit.discretised(q, azimuths);
+    }
   }
   return rest;
 }

@@ -7,7 +7,7 @@
 
 #include "lateral/beam_paths.hpp"
 #include "lateral/lateral_stack.hpp"
-#include "lateral/lit_base.hpp"
+#include "lateral/lit_surface.hpp"
 #include "lateral/once_scattered_beam.hpp"
 #include "numeric/thread_pool.hpp"
 
@@ -43,7 +43,7 @@ class ResolvedBeam {
   std::array<std::optional<OnceScatteredBeam>, 2> once_;
   std::array<std::optional<ObliqueScattering>, 2> oblique_;
   std::array<std::vector<OnceScatteredBeam>, 2> deeper_;
-  std::optional<LitBase> lit_base_;
+  std::array<std::vector<LitSurface>, 2> lit_;
   std::array<std::optional<ForwardPeaks>, 2> peaks_;  // of reflected and of transmitted light
 };
 

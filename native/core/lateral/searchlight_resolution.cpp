@@ -21,15 +21,16 @@ constexpr int kMostNodes = 40;
 /// Light that a base or rough boundaries spread over a distance d is still seen at the frequency kSpot / d.
 constexpr double kSpot = 30.0;
 
-/// The least distance, in mm, over which lobes of rough boundaries spread light inside a stack of this finite
-/// thickness; infinite without such light.
+/// The least distance, in mm, over which lobes of rough boundaries and of a rough base spread light inside a stack of
+/// this finite thickness; infinite without such light. Facets turn refracted light by less than they are tilted.
 double spread_by_lobes(const Stack& stack, double thickness) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double slope = kInfinity;  // of the narrowest lobe
+  double slope = stack.base.is_rough() ? stack.base.facets.alpha : kInfinity;  // of the narrowest lobe
   double above = 1.0;
   for (const Layer& layer : stack.layers) {
     if (const auto* interface = std::get_if<Interface>(&layer)) {
-      slope = interface->is_rough(above) ? std::min(slope, interface->facets.alpha) : slope;
+      const double turned = interface->facets.alpha * std::min(1.0, std::abs(1.0 - above / interface->ior));
+      slope = interface->is_rough(above) ? std::min(slope, turned) : slope;
       above = interface->ior;
     }
   }

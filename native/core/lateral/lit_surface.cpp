@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lateral/lit_base.hpp"
+#include "lateral/lit_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,22 +25,51 @@ double mean_wave(double phase, const AzimuthRule& azimuths) {
   return mean;
 }
 
+/// A function of the cosine between its values at nodes, which may have any order, and constant beyond.
+double interpolated(const Eigen::VectorXd& nodes, const Eigen::VectorXd& values, double mu) {
+  Eigen::Index below = -1;
+  Eigen::Index above = -1;
+  for (Eigen::Index i = 0; i < nodes.size(); ++i) {
+    if (nodes[i] <= mu && (below < 0 || nodes[i] > nodes[below])) {
+      below = i;
+    }
+    if (nodes[i] >= mu && (above < 0 || nodes[i] < nodes[above])) {
+      above = i;
+    }
+  }
+  if (below < 0 || above < 0 || below == above) {
+    return values[below < 0 ? above : below];
+  }
+  const double share = (mu - nodes[below]) / (nodes[above] - nodes[below]);
+  return values[below] + share * (values[above] - values[below]);
+}
+
 }  // namespace
 
-LitBase::LitBase(const Directions& directions, double beam, double reflectance, std::vector<Part> parts)
-    : ior_(directions.ior), beam_(beam), reflectance_(reflectance), parts_(std::move(parts)), critical_{0.0, 1.0} {
+LitSurface::LitSurface(const Directions& directions, double beam, Spread spread, std::vector<Part> parts)
+    : ior_(directions.ior),
+      nodes_(directions.mu.head(directions.live)),
+      beam_(beam),
+      spread_(std::move(spread)),
+      parts_(std::move(parts)),
+      critical_{0.0, 1.0} {
   for (const Part& part : parts_) {
-    if (part.thickness == 0.0 && part.ior < ior_) {
+    if (part.thickness == 0.0 && part.passed.size() == 0 && part.ior < ior_) {
       critical_.push_back(refracted_cosine(0.0, part.ior, ior_));
     }
   }
   std::sort(critical_.begin(), critical_.end());
   for (Eigen::Index i = 0; i < directions.live; ++i) {
-    discrete_.push_back({2.0 * directions.mu[i] * directions.weight[i], ray(directions.mu[i])});
+    discrete_.push_back({spread_.discrete[i], ray(directions.mu[i])});
+  }
+  if (spread_.returned == 0.0) {
+    // All light together is that of the discretised stack, which keeps the flux of facets.
+    const double whole = at(0.0);
+    scale_ = whole > 0.0 ? discretised(0.0, AzimuthRule::mean()) / whole : 1.0;
   }
 }
 
-LitBase::Ray LitBase::ray(double mu) const {
+LitSurface::Ray LitSurface::ray(double mu) const {
   Ray ray;
   double flux = 1.0;
   double aside = 0.0;
@@ -52,9 +81,16 @@ LitBase::Ray LitBase::ray(double mu) const {
       aside += part.thickness * std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / cosine;
       continue;
     }
+    if (part.passed.size() > 0) {
+      flux *= interpolated(nodes_, part.passed, mu);
+      continue;
+    }
     const double next = refracted_cosine(mu, ior_, part.ior);
     const double mirrored = next > 0.0 ? fresnel(cosine, next, ior, part.ior) : 1.0;
     ray.returning.push_back({flux * flux * mirrored, 2.0 * aside});
+    if (spread_.echoed.size() > 0) {
+      ray.leaving.push_back({flux * flux * mirrored * interpolated(nodes_, spread_.echoed, mu), 2.0 * aside});
+    }
     if (!(next > 0.0)) {
       return ray;
     }
@@ -62,28 +98,34 @@ LitBase::Ray LitBase::ray(double mu) const {
     ior = part.ior;
     cosine = next;
   }
-  ray.leaving = {flux, aside};
+  if (spread_.echoed.size() == 0) {
+    ray.leaving.push_back({flux, aside});
+  }
   return ray;
 }
 
-double LitBase::aside(double mu) const {
+double LitSurface::aside(double mu) const {
   const Ray found = ray(mu);
-  double farthest = found.leaving.aside;
-  for (const Share& share : found.returning) {
-    farthest = std::max(farthest, share.aside);
+  double farthest = 0.0;
+  for (const std::vector<Share>* shares : {&found.leaving, &found.returning}) {
+    for (const Share& share : *shares) {
+      farthest = std::max(farthest, share.aside);
+    }
   }
   return farthest;
 }
 
-double LitBase::exchanged(double leaving, double returning) const {
-  return beam_ * reflectance_ * leaving / (1.0 - reflectance_ * returning);
+double LitSurface::exchanged(double leaving, double returning) const {
+  return beam_ * leaving / (1.0 - spread_.returned * returning);
 }
 
-double LitBase::discretised(double q, const AzimuthRule& azimuths) const {
+double LitSurface::discretised(double q, const AzimuthRule& azimuths) const {
   double leaving = 0.0;
   double returning = 0.0;
   for (const auto& [weight, ray] : discrete_) {
-    leaving += weight * ray.leaving.flux * mean_wave(q * ray.leaving.aside, azimuths);
+    for (const Share& share : ray.leaving) {
+      leaving += weight * share.flux * mean_wave(q * share.aside, azimuths);
+    }
     for (const Share& share : ray.returning) {
       returning += weight * share.flux * mean_wave(q * share.aside, azimuths);
     }
@@ -91,7 +133,7 @@ double LitBase::discretised(double q, const AzimuthRule& azimuths) const {
   return exchanged(leaving, returning);
 }
 
-double LitBase::at(double q) const {
+double LitSurface::at(double q) const {
   static const Quadrature rule(8);
   constexpr double kShortest = 1e-6;  // shortest piece, at the end of an interval
   constexpr double kPhase = 4.0;      // largest change of the phase of a wave within a piece
@@ -113,9 +155,12 @@ double LitBase::at(double q) const {
       const double to = 1.0 / (first + (last - first) * k / count);
       for (Eigen::Index i = 0; i < rule.mu.size(); ++i) {
         const double mu = from + (to - from) * rule.mu[i];
-        const double weight = 2.0 * mu * (to - from) * rule.weight[i];
+        const double density = spread_.lobe(mu) + mu * interpolated(nodes_, spread_.matte, mu);
+        const double weight = density * (to - from) * rule.weight[i];
         const Ray found = ray(mu);
-        leaving += weight * found.leaving.flux * bessel_j0(q * found.leaving.aside);
+        for (const Share& share : found.leaving) {
+          leaving += weight * share.flux * bessel_j0(q * share.aside);
+        }
         for (const Share& share : found.returning) {
           returning += weight * share.flux * bessel_j0(q * share.aside);
         }
@@ -132,7 +177,7 @@ double LitBase::at(double q) const {
       add(std::min(end, end + rest), std::max(end, end + rest));
     }
   }
-  return exchanged(leaving, returning);
+  return scale_ * exchanged(leaving, returning);
 }
 
 }  // namespace lamina
