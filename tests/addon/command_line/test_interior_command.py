@@ -121,7 +121,7 @@ def test_frames_with_a_moving_lamp_and_a_bending_body(run, ball, tmp_path):
     long = ball.shape_key_add(name="Long")
     for corner in long.data:
         corner.co.x *= 3.0
-    for frame, turn, share in ((1, 0.0, 0.0), (3, 1.5, 1.0)):
+    for frame, turn, share in ((1, 0.0, 0.0), (3, 2.4, 1.0)):
         sun.rotation_euler.x, long.value = turn, share
         sun.keyframe_insert("rotation_euler", frame=frame)
         long.keyframe_insert("value", frame=frame)
