@@ -7,6 +7,7 @@ Nothing is written before all of an object's dust is known.
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..base import data_image, editable, image_removal, native, rendered, renders, unwrap, uv_maps
@@ -266,7 +267,7 @@ def clear(obj):
     dust_attribute.remove(obj.data)
     settings = obj.lamina_dust
     image, settings.image = settings.image, None
-    if image is not None:
+    if image is not None and not _holders(image):
         image_removal.remove(image)
     settings.told, settings.settled, settings.largest, settings.largest_back = "", "", 0.0, 0.0
 
@@ -303,6 +304,11 @@ def _write_image(obj, dust):
     image = data_image.create(f"{obj.name} dust", texels)
     image[thickness.TWO_SIDES] = True
     last, obj.lamina_dust.image = obj.lamina_dust.image, image
-    if last is not None:
+    if last is not None and not _holders(last):
         image_removal.replace(last, image)
     return image
+
+
+def _holders(image):
+    """The objects whose dust is this image: a duplicate has that of the original until dust settles on it."""
+    return [obj for obj in bpy.data.objects if obj.lamina_dust.image == image]

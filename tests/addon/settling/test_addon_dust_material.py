@@ -5,8 +5,18 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from addon_helpers import drawn
+from addon_helpers import drawn, pixels
 from dusty_objects import NAME, grid
+
+
+def plate_with_image(dust, addon, material):
+    """A plate with this material, and dust in an image."""
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    plate = grid(material=material)
+    plate.lamina_dust.target, plate.lamina_dust.size = "image", 32
+    dust.settle(bpy.context, plate)
+    return plate
 
 
 def test_the_material_reads_the_dust(dust, addon, material):
@@ -60,6 +70,23 @@ def test_remove_leaves_no_dust(dust, addon, material, call):
     assert not any(one.name.startswith("lamina") for one in alone.data.attributes) and not alone.lamina_dust.told
     assert NAME in shared.data.attributes and shared.lamina_dust.told
     assert not bpy.data.node_groups and not material.node_tree.nodes.get("Lamina")
+
+
+def test_a_duplicate_leaves_the_image_of_the_original_alone(dust, addon, material):
+    plate = plate_with_image(dust, addon, material)
+    image, look = plate.lamina_dust.image, pixels(plate.lamina_dust.image)
+    twin, of_twin = plate.copy(), material.copy()
+    twin.data = plate.data.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    twin.data.materials[0] = of_twin
+    twin.lamina_dust.amount = 0.3
+    dust.settle(bpy.context, twin)
+    own = twin.lamina_dust.image
+    assert own != image and addon.nodes.thickness.wiring(of_twin).node.image == own
+    assert plate.lamina_dust.image == image == addon.nodes.thickness.wiring(material).node.image
+    twin.lamina_dust.image = image  # as before it settled
+    dust.clear(twin)
+    assert plate.lamina_dust.image == image and (pixels(image) == look).all()
 
 
 def test_an_artists_own_node_stays(dust, addon, material):
