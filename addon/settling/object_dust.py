@@ -261,15 +261,28 @@ def is_source(wiring):
 
 
 def clear(obj):
-    """Remove the dust of an object. Its materials show none if they read the attribute."""
+    """Remove the dust of an object. Its materials show none if they read it."""
     renders.stop_previews()
     dust_frames.remove(obj)
     dust_attribute.remove(obj.data)
     settings = obj.lamina_dust
     image, settings.image = settings.image, None
-    if image is not None and not _holders(image):
-        image_removal.remove(image)
+    if image is not None:
+        _show_none(image)
+        if not _holders(image):
+            image_removal.remove(image)
     settings.told, settings.settled, settings.largest, settings.largest_back = "", "", 0.0, 0.0
+
+
+def _show_none(image):
+    """Let materials read the attribute, which is 0 where it is missing, in place of an image of dust that no
+    object with them has: Cycles would show a texture without an image as magenta."""
+    kept = {slot.material for obj in _holders(image) for slot in obj.material_slots}
+    for material in bpy.data.materials:
+        for name in (FRONT, COVERAGE) if material not in kept and editable.is_editable(material) else ():
+            wiring = thickness.wiring(material, name)
+            if wiring.source == "image" and wiring.node.image == image:
+                thickness.wire_thickness(material, "attribute", to=name, replace=True)
 
 
 def _switches(statistics):

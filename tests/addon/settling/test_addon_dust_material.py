@@ -89,6 +89,15 @@ def test_a_duplicate_leaves_the_image_of_the_original_alone(dust, addon, materia
     assert plate.lamina_dust.image == image and (pixels(image) == look).all()
 
 
+def test_after_clear_the_material_reads_no_dust(dust, addon, material):
+    """It reads the missing attribute: a texture without an image is magenta in Cycles, and so thick dust."""
+    plate = plate_with_image(dust, addon, material)
+    dust.clear(plate)
+    assert addon.nodes.thickness.wiring(material).source == "attribute"
+    assert not addon.nodes.thickness.images_read(material.node_tree)
+    assert not any(node.type == "TEX_IMAGE" for node in material.node_tree.nodes)
+
+
 def test_an_artists_own_node_stays(dust, addon, material):
     material.lamina.layers[0].varying = True
     addon.baking.bake_job.bake_material(material)
