@@ -303,7 +303,7 @@ def finish(gathered, found):
                 raise answer
             if obj is not None:
                 _fill_slots(obj, new)
-                object_dust.apply(obj, task, answer)
+                notes += object_dust.apply(obj, task, answer)
                 done.append(obj)
         except Exception as error:
             notes.append(f"{task.name}: {messages.sentence(_expected(error))}")

@@ -203,7 +203,8 @@ def _at(moment, task, dust, **how):
 
 def apply(obj, task, answer):
     """Store an Answer on its object, and link the thickness of its materials to it if nothing else is linked.
-    The first dust of a material also gets grain and clouds, see dust_detail.
+    The first dust of a material also gets grain and clouds, see dust_detail. Returns a sentence on each
+    material that goes on reading an image of the artist's.
     Raises RefusedError if the mesh has changed meanwhile.
     """
     if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
@@ -227,7 +228,9 @@ def apply(obj, task, answer):
         notes.append(geometry.INSTANCES)
     if task.follows is not None:
         notes[0] = f"{len(every)} frames; at frame {task.follows[0]} {notes[0]}"
-    settings.told, settings.settled = "; ".join(notes), task.settled
+    unread = [_painted(slot.material) for slot in obj.material_slots if slot.material is not None]
+    unread = list(dict.fromkeys(filter(None, unread)))
+    settings.told, settings.settled = "; ".join([*notes, *unread]), task.settled
     settings.largest = max(dust.statistics.maximum for dust in every)
     backs = [dust.back for dust in every if dust.back is not None]
     settings.largest_back = max((float(back.max(initial=0.0)) for back in backs), default=0.0)
@@ -236,12 +239,25 @@ def apply(obj, task, answer):
         if material is None or not editable.is_editable(material):
             continue
         linked = thickness.wiring(material).source
-        if linked in thickness.SOURCES:
+        if linked in thickness.SOURCES and not _painted(material):
             wire(obj, material)
         if is_source(thickness.wiring(material, COVERAGE)):
             wire(obj, material, COVERAGE)
         if linked == "value" or detail_wiring.detail(material) is not None:
             detail_wiring.add_settled_detail(material)
+    return unread
+
+
+def _painted(material):
+    """The sentence on a material that reads an image of the artist's, or ''. The image is not replaced unless
+    the material keeps it, because Blender does not save an image that nothing uses."""
+    now = thickness.wiring(material)
+    image = now.node.image if now.source == "image" else None
+    kept = [value for key, value in material.items() if key.startswith(thickness.KEPT[FRONT])]
+    if image is None or is_source(now) or image in kept:
+        return ""
+    return (f"the thickness of {material.name} stays that of the image {image.name}: choose Settled in the "
+            "panel Where for settled dust")
 
 
 def wire(obj, material, to=FRONT):

@@ -98,6 +98,20 @@ def test_after_clear_the_material_reads_no_dust(dust, addon, material):
     assert not any(node.type == "TEX_IMAGE" for node in material.node_tree.nodes)
 
 
+def test_a_painted_image_stays_unless_the_artist_chooses_settled(dust, addon, material):
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    painted = addon.nodes.thickness.wire_thickness(material, "image").node.image
+    plate = grid(material=material)
+    dust.settle(bpy.context, plate)
+    assert addon.nodes.thickness.wiring(material).node.image == painted
+    assert f"the thickness of Bronze stays that of the image {painted.name}: choose" in plate.lamina_dust.told
+    bpy.context.view_layer.objects.active = plate
+    said = addon.scene.place.put(bpy.context, material, "SETTLED")
+    assert addon.nodes.thickness.wiring(material).source == "attribute" and "stays" not in said
+    assert painted.users, "the material keeps the image"
+
+
 def test_an_artists_own_node_stays(dust, addon, material):
     material.lamina.layers[0].varying = True
     addon.baking.bake_job.bake_material(material)
