@@ -117,7 +117,7 @@ def gather(context, objects):
         live_dust.leave(obj)
         choose_storage(context, obj)
         for material in _materials(obj):
-            uid = None if material is None else material.session_uid
+            uid = _uid(material)
             if uid in bakes:
                 continue
             try:
@@ -175,6 +175,10 @@ def remove(objects):
 def _materials(obj):
     """The materials of an object's slots; None for faces without one."""
     return [slot.material for slot in obj.material_slots] or [None]
+
+
+def _uid(material):
+    return None if material is None else material.session_uid
 
 
 def choose_storage(context, obj):
@@ -278,10 +282,18 @@ def _expected(error):
 
 
 def finish(gathered, found):
-    """Write layers, bakes and dust; main thread only. Returns Done."""
+    """Write layers, bakes and dust; main thread only. Returns Done. Raises RefusedError if no dust has
+    settled; then nothing has changed."""
     luts, answers = found
     notes, new = list(gathered.notes), None
+    settled, failed = _sorted(gathered.tasks, answers)
+    if failed and not settled:
+        raise RefusedError(failed[0][1])
+    dusty = {_uid(one) for obj, *_ in settled for one in _materials(obj)}
+    bare = {_uid(one) for obj, _ in failed for one in _materials(obj)} - dusty
     for uid, bake in gathered.bakes.items():
+        if uid in bare:  # a layer without its dust is as thick everywhere as it can be
+            continue
         material = with_uid(bpy.data.materials, uid) if uid is not None else _plain()
         new = material if uid is None else new
         if material is None:
@@ -295,19 +307,28 @@ def finish(gathered, found):
             material[MARK] = _NEW if uid is None else added
         bake_job.apply(material, *lut)
         update.refine(material)
-    by_uid, done = {obj.session_uid: obj for obj in bpy.data.objects}, []
-    for task, answer in zip(gathered.tasks, answers, strict=True):
-        obj = by_uid.get(task.uid)
+    notes += [sentence for _, sentence in failed]
+    done = []
+    for obj, task, answer in settled:
         try:
-            if isinstance(answer, Exception):
-                raise answer
-            if obj is not None:
-                _fill_slots(obj, new)
-                notes += object_dust.apply(obj, task, answer)
-                done.append(obj)
+            _fill_slots(obj, new)
+            notes += object_dust.apply(obj, task, answer)
+            done.append(obj)
         except Exception as error:
             notes.append(f"{task.name}: {messages.sentence(_expected(error))}")
     return Done(done, len(luts), list(dict.fromkeys(notes)), gathered.shapes)
+
+
+def _sorted(tasks, answers):
+    """([(object, Task, Answer)], [(object, sentence on why no dust has settled)])."""
+    by_uid, settled, failed = {obj.session_uid: obj for obj in bpy.data.objects}, [], []
+    for task, answer in zip(tasks, answers, strict=True):
+        obj = by_uid.get(task.uid)
+        if obj is not None and isinstance(answer, Exception):
+            failed.append((obj, f"{task.name}: {messages.sentence(answer)}"))
+        elif obj is not None:
+            settled.append((obj, task, answer))
+    return settled, failed
 
 
 def _fill_slots(obj, new):

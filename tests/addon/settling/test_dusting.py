@@ -137,6 +137,23 @@ def test_what_gets_no_dust_is_told_and_the_others_go_on(addon, dusting, scene):
         dusting.dust(bpy.context, [empty])
 
 
+def test_materials_get_a_layer_only_where_dust_settles(addon, dusting, scene):
+    """A layer without its dust would be as thick everywhere as it can be."""
+    scene[2].data.vertices[0].co.x = float("nan")
+    scene[3].lamina_dust.others = False
+    done = dusting.dust(bpy.context, scene[2:])
+    assert [obj.name for obj in done.objects] == ["Plain"] and len(done.notes) == 1
+    blue = scene[2].material_slots[0].material
+    assert not blue.lamina.enabled and scene[3].material_slots[0].material.lamina.enabled
+    with pytest.raises(addon.base.messages.RefusedError, match=r"^C: "):
+        dusting.dust(bpy.context, scene[2:3])
+    assert not blue.lamina.enabled
+    for obj in scene:
+        obj.select_set(obj == scene[0])
+    with pytest.raises(RuntimeError, match=r"Error: A: C\.vertices"):
+        bpy.ops.lamina.dust_objects()
+
+
 def test_a_coarse_cage_of_a_subdivided_object_gets_an_image(dusting, scene):
     scene[2].modifiers.new("Subdivision", "SUBSURF").render_levels = 3
     scene[0].modifiers.new("Subdivision", "SUBSURF").render_levels = 3
