@@ -171,6 +171,7 @@ class LaminaLayer(MediumProperties, FacetProperties, bpy.types.PropertyGroup):
         "One medium or layer of flakes or fibers, and one interface of a stack can vary",
         update=_varying_changed,
     )
+    dusted: switch("Dusted", "Dust These Objects has added this layer")  # in no panel
 
 
 def _gold():

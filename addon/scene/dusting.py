@@ -241,7 +241,7 @@ def _cover(material):
     else:
         material.lamina.active_index = 0
         layer = layer_list.add_layer(material)
-    for name, value in LAYER.items():
+    for name, value in {**LAYER, "dusted": True}.items():
         setattr(layer, name, value)
     return added
 
@@ -343,22 +343,36 @@ def _fill_slots(obj, new):
 
 
 def _take_away(material):
-    """Take away what `dust` has added to a material."""
-    added = material.pop(MARK)
-    if added == _LAYER:
-        layers = material.lamina.layers
-        ours = (k for k, one in enumerate(layers)
-                if one.varying and one.kind == "medium" and one.name.startswith(LAYER["name"]))
-        index = next(ours, None)
-        if index is not None:
-            material.lamina.active_index = index
-            layer_list.remove_layer(material)
-            bake_job.bake_material(material)
+    """Take away what `dust` has added to a material; layers that the artist has added since stay."""
+    index, is_alone = _our_layer(material), len(material.lamina.layers) == 1
+    if index is not None and is_alone and material[MARK] != _LAYER:
+        is_new = material[MARK] == _NEW
+        layer_list.remove_stack(material)
+        material.pop(MARK, None)
+        if is_new:
+            _remove(material)
         return
-    layer_list.remove_stack(material)
-    if added == _NEW:
-        for obj in _users(material):
-            for slot in obj.material_slots:
-                if slot.material == material:
-                    slot.material = None
-        bpy.data.materials.remove(material)
+    if index is not None:
+        material.lamina.active_index = index
+        layer_list.remove_layer(material)
+        bake_job.bake_material(material)
+    material.pop(MARK)
+
+
+def _our_layer(material):
+    """The index of the layer that `dust` has added to a material, under any name; None if it is gone."""
+    layers = list(enumerate(material.lamina.layers))
+    ours = [(index, one) for index, one in layers if one.dusted]
+    ours = ours or [(index, one) for index, one in layers  # of earlier versions
+                    if one.varying and one.kind == "medium" and one.name.startswith(LAYER["name"])]
+    # A duplicate does not vary.
+    return max(ours, key=lambda each: each[1].varying, default=(None, None))[0]
+
+
+def _remove(material):
+    """Remove a new material, which leaves slots empty."""
+    for obj in _users(material):
+        for slot in obj.material_slots:
+            if slot.material == material:
+                slot.material = None
+    bpy.data.materials.remove(material)

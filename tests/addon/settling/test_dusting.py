@@ -117,6 +117,23 @@ def test_layers_that_are_there_already(addon, dusting, scene):
     assert addon.baking.bake_job.state(varnished) == "fresh"
 
 
+def test_layers_that_the_artist_adds_or_renames_afterwards(addon, dusting, scene):
+    """Remove takes the layer that Dust has added, under any name, and no other one."""
+    dusting.dust(bpy.context, scene[2:3])
+    blue = scene[2].material_slots[0].material
+    addon.editing.layer_list.duplicate_layer(blue)
+    addon.editing.layer_list.add_layer(blue, "interface").name = "My varnish"
+    blue.lamina.layers[0].name = "Pollen"
+    dusting.remove(scene[2:3])
+    assert [layer.name for layer in blue.lamina.layers] == ["My varnish", "Dust.001"]
+    assert addon.baking.bake_job.state(blue) == "fresh"
+    addon.editing.layer_list.remove_stack(blue)
+    dusting.dust(bpy.context, scene[2:3])
+    blue.lamina.layers[0].name = "Pollen"
+    dusting.remove(scene[2:3])
+    assert not blue.lamina.enabled
+
+
 def test_a_material_that_other_dusty_objects_share_keeps_its_layer(dusting, scene):
     dusting.dust(bpy.context, scene)
     assert dusting.remove([scene[0]]) == 1
