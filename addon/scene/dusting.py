@@ -154,7 +154,7 @@ class DustingJob(Worker):
 def remove(objects):
     """Take the dust of `objects` away, and what `dust` has added to their materials, unless other objects
     have dust on them. Returns the number of objects that had dust."""
-    count, materials = 0, {}
+    cleared, materials = set(), {}
     for obj in objects:
         if obj.type != "MESH" or not obj.is_editable or not obj.data.is_editable:
             continue
@@ -163,13 +163,13 @@ def remove(objects):
             live_dust.leave(obj)
             object_dust.clear(obj)
             rest_coordinates.remove(obj.data)
-            count += 1
+            cleared.add(obj)
     still = {slot.material for obj in bpy.data.objects if obj.type == "MESH" and obj.lamina_dust.told
              for slot in obj.material_slots}
     for material in materials.values():
         if material not in still and editable.is_editable(material):
-            _take_away(material)
-    return count
+            _take_away(material, cleared)
+    return len(cleared)
 
 
 def _materials(obj):
@@ -342,14 +342,15 @@ def _fill_slots(obj, new):
             slot.material = new
 
 
-def _take_away(material):
-    """Take away what `dust` has added to a material; layers that the artist has added since stay."""
+def _take_away(material, cleared):
+    """Take away what `dust` has added to a material; what the artist has made of it since stays. `cleared`:
+    the objects that had dust."""
     index, is_alone = _our_layer(material), len(material.lamina.layers) == 1
     if index is not None and is_alone and material[MARK] != _LAYER:
         is_new = material[MARK] == _NEW
         layer_list.remove_stack(material)
         material.pop(MARK, None)
-        if is_new:
+        if is_new and _users(material) <= cleared and _is_untouched(material):
             _remove(material)
         return
     if index is not None:
@@ -367,6 +368,23 @@ def _our_layer(material):
                     if one.varying and one.kind == "medium" and one.name.startswith(LAYER["name"])]
     # A duplicate does not vary.
     return max(ours, key=lambda each: each[1].varying, default=(None, None))[0]
+
+
+def _is_untouched(material):
+    """True if a new material has the name and the nodes with which `_plain` made it."""
+    plain = _plain()
+    try:
+        return material.name.startswith("Material") and _values(material) == _values(plain)
+    finally:
+        bpy.data.materials.remove(plain)
+
+
+def _values(material):
+    """The kinds of a material's nodes and the values of their inputs."""
+    found = [(node.bl_idname, [getattr(one, "default_value", None) for one in node.inputs])
+             for node in material.node_tree.nodes]
+    return sorted((kind, [tuple(one) if hasattr(one, "__len__") else one for one in values])
+                  for kind, values in found)
 
 
 def _remove(material):

@@ -134,6 +134,34 @@ def test_layers_that_the_artist_adds_or_renames_afterwards(addon, dusting, scene
     assert not blue.lamina.enabled
 
 
+def _rename(material, _other):
+    material.name = "Hero paint"
+
+
+def _edit(material, _other):
+    material.node_tree.nodes.new("ShaderNodeTexNoise")
+
+
+def _color(material, _other):
+    node = next(one for one in material.node_tree.nodes if one.type == "BSDF_PRINCIPLED")
+    node.inputs["Base Color"].default_value = (1.0, 0.0, 0.0, 1.0)
+
+
+def _give(material, other):
+    other.data.materials.append(material)
+
+
+@pytest.mark.parametrize("change", [_rename, _edit, _color, _give])
+def test_a_new_material_that_the_artist_uses_stays(dusting, scene, change):
+    dusting.dust(bpy.context, scene[3:])
+    new = scene[3].material_slots[0].material
+    other = new_object("Other", (12, 0, 0))
+    change(new, other)
+    dusting.remove([scene[3], other])
+    assert scene[3].material_slots[0].material == new and not new.lamina.enabled
+    assert dusting.MARK not in new
+
+
 def test_a_material_that_other_dusty_objects_share_keeps_its_layer(dusting, scene):
     dusting.dust(bpy.context, scene)
     assert dusting.remove([scene[0]]) == 1
