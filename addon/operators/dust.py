@@ -172,6 +172,8 @@ class LAMINA_OT_dust_objects_remove(bpy.types.Operator):
         return common.can_dust_objects(cls)
 
     def execute(self, context):
-        count = dusting.remove(objects_of(context, self.which))
-        self.report({"INFO"}, f"Dust removed from {count} object{'s' * (count != 1)}")
+        notes = []
+        count = dusting.remove(objects_of(context, self.which), notes.append)
+        text = "; ".join([f"Dust removed from {count} object{'s' * (count != 1)}", *notes])
+        self.report({"WARNING" if notes else "INFO"}, text)
         return {"FINISHED"}

@@ -151,9 +151,10 @@ class DustingJob(Worker):
         return finish(self.gathered, self.result)
 
 
-def remove(objects):
+def remove(objects, tell=print):
     """Take the dust of `objects` away, and what `dust` has added to their materials, unless other objects
-    have dust on them. Returns the number of objects that had dust."""
+    have dust on them. Returns the number of objects that had dust. `tell(sentence)`: of a material whose
+    other layers could not be baked."""
     cleared, materials = set(), {}
     for obj in objects:
         if obj.type != "MESH" or not obj.is_editable or not obj.data.is_editable:
@@ -168,7 +169,10 @@ def remove(objects):
              for slot in obj.material_slots}
     for material in materials.values():
         if material not in still and editable.is_editable(material):
-            _take_away(material, cleared)
+            try:
+                _take_away(material, cleared)
+            except Exception as error:
+                tell(_note(error, material))
     return len(cleared)
 
 
@@ -193,7 +197,7 @@ def _users(material):
 
 
 def _note(error, material):
-    """A sentence on why a material gets no dust. Raises the error if it is not for the user."""
+    """A sentence on an error of a material. Raises the error if it is not for the user."""
     if not messages.expected(error):
         raise error
     return f"{material.name}: {messages.sentence(error, material)}"
@@ -356,8 +360,9 @@ def _take_away(material, cleared):
     if index is not None:
         material.lamina.active_index = index
         layer_list.remove_layer(material)
+    del material[MARK]
+    if index is not None:
         bake_job.bake_material(material)
-    material.pop(MARK)
 
 
 def _our_layer(material):

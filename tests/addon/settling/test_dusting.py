@@ -134,6 +134,19 @@ def test_layers_that_the_artist_adds_or_renames_afterwards(addon, dusting, scene
     assert not blue.lamina.enabled
 
 
+def test_layers_that_cannot_be_baked_after_the_removal_are_told(addon, dusting, scene, capfd):
+    red, blue = (scene[k].material_slots[0].material for k in (0, 2))
+    dusting.dust(bpy.context, scene)
+    for layer in (addon.editing.layer_list.add_layer(red), addon.editing.layer_list.add_layer(blue)):
+        layer.kind = "film"  # films lie on metals alone
+    assert bpy.ops.lamina.dust_objects_remove(which="SCENE") == {"FINISHED"}
+    assert not any(obj.lamina_dust.told for obj in scene)
+    said = capfd.readouterr().out
+    assert "Warning: Dust removed from 4 objects; Red: " in said and "; Blue: " in said
+    for material in (red, blue):
+        assert [layer.kind for layer in material.lamina.layers] == ["film"] and dusting.MARK not in material
+
+
 def _rename(material, _other):
     material.name = "Hero paint"
 
