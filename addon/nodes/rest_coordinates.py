@@ -44,6 +44,13 @@ def remove(mesh):
         mesh.attributes.remove(attribute)
 
 
+def is_read(tree):
+    """True if linked nodes of a tree, or of groups in it, read the coordinates."""
+    linked = [node for node in tree.nodes if any(one.is_linked for one in node.outputs)] if tree else []
+    return any(getattr(node, "attribute_name", "") == NAME or is_read(getattr(node, "node_tree", None))
+               for node in linked)
+
+
 def draw(graph):
     """The coordinates in a shader: the object's own on a mesh without the attribute."""
     stored = graph.node("ShaderNodeAttribute", "at rest")

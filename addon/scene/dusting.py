@@ -16,7 +16,7 @@ from ..base import editable, messages, native, preferences, rendered
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
 from ..editing import layer_list, over_material, stack_io
-from ..nodes import node_tree, rest_coordinates
+from ..nodes import detail_wiring, node_tree, rest_coordinates, thickness
 from ..properties import migration
 from ..settling import dust_job, live_dust, object_dust
 
@@ -25,8 +25,9 @@ from ..settling import dust_job, live_dust, object_dust
 LAYER = {"name": "Dust", "mode": "optical", "albedo": (0.88, 0.84, 0.78), "phase": "hg", "g": 0.3,
          "varying": True, "tau": 4.0}  # fmt: skip
 
-MARK = "lamina_dusted"  # of a material: what was added to it, see _STACK, _LAYER, _NEW
+MARK = "lamina_dusted"  # of a material: what was added to it, see below
 _STACK, _LAYER, _NEW = "stack", "layer", "new"
+_EVEN, _PLAIN = "even", "plain"  # nothing, but the artist's own layer was even, and without grain
 BAKES = 0.4  # share of the progress bar
 
 
@@ -47,13 +48,15 @@ class Gathered:
     """What is to be done. tasks: of the settling. bakes: {uid of a material: its Bake with dust}, where a
     layer or a bake is missing; the uid None stands for a new material for faces without one. notes: sentences
     on what gets no dust. shapes: names of curves, texts and the like, which hold no dust. cover: gives a
-    material its layer, and returns what was added: a value of MARK, or None."""
+    material its layer, and returns what was added: a value of MARK, or None. even: {uid of a material whose
+    own layer is even before dust settles on it: (a value of MARK, its thickness)}."""
 
     tasks: list
     bakes: dict
     notes: list = field(default_factory=list)
     shapes: list = field(default_factory=list)
     cover: Callable = lambda material: _cover(material)
+    even: dict = field(default_factory=dict)
 
 
 @dataclass
@@ -126,8 +129,9 @@ def gather(context, objects):
                 bakes[uid] = None
                 notes.append(_note(error, material))
     bakes = {uid: bake for uid, bake in bakes.items() if bake is not None}
+    even = {one.session_uid: found for obj in dusty for one in _materials(obj) if (found := _even(one))}
     return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)),
-                    [obj.name for obj in shapes])
+                    [obj.name for obj in shapes], even=even)
 
 
 class DustingJob(Worker):
@@ -163,7 +167,6 @@ def remove(objects, tell=print):
         if obj.lamina_dust.told:
             live_dust.leave(obj)
             object_dust.clear(obj)
-            rest_coordinates.remove(obj.data)
             cleared.add(obj)
     still = {slot.material for obj in bpy.data.objects if obj.type == "MESH" and obj.lamina_dust.told
              for slot in obj.material_slots}
@@ -173,6 +176,9 @@ def remove(objects, tell=print):
                 _take_away(material, cleared)
             except Exception as error:
                 tell(_note(error, material))
+    for obj in cleared:
+        if not any(one is not None and rest_coordinates.is_read(one.node_tree) for one in _materials(obj)):
+            rest_coordinates.remove(obj.data)
     return len(cleared)
 
 
@@ -194,6 +200,16 @@ def choose_storage(context, obj):
 
 def _users(material):
     return {obj for obj in bpy.data.objects for slot in obj.material_slots if slot.material == material}
+
+
+def _even(material):
+    """An entry of Gathered.even, or None."""
+    if material is None or MARK in material or not _has_dust(material):
+        return None
+    now = thickness.wiring(material)
+    if now.source != "value":
+        return None
+    return _PLAIN if detail_wiring.detail(material) is None else _EVEN, now.socket.default_value
 
 
 def _note(error, material):
@@ -311,6 +327,10 @@ def finish(gathered, found):
             material[MARK] = _NEW if uid is None else added
         bake_job.apply(material, *lut)
         update.refine(material)
+    for uid, (mark, value) in gathered.even.items():
+        material = with_uid(bpy.data.materials, uid)
+        if material is not None and uid not in bare:
+            material[MARK], material[thickness.EVEN] = mark, value
     notes += [sentence for _, sentence in failed]
     done = []
     for obj, task, answer in settled:
@@ -349,6 +369,9 @@ def _fill_slots(obj, new):
 def _take_away(material, cleared):
     """Take away what `dust` has added to a material; what the artist has made of it since stays. `cleared`:
     the objects that had dust."""
+    if material[MARK] in (_EVEN, _PLAIN):
+        _make_even(material, material.pop(MARK))
+        return
     index, is_alone = _our_layer(material), len(material.lamina.layers) == 1
     if index is not None and is_alone and material[MARK] != _LAYER:
         is_new = material[MARK] == _NEW
@@ -363,6 +386,16 @@ def _take_away(material, cleared):
     del material[MARK]
     if index is not None:
         bake_job.bake_material(material)
+
+
+def _make_even(material, mark):
+    """Let the artist's own layer lie where it lay before dust settled on it."""
+    if not object_dust.is_source(thickness.wiring(material)):
+        return
+    if mark == _PLAIN:
+        detail_wiring.remove_detail(material)
+    socket = thickness.wire_thickness(material, "value", replace=True).socket
+    socket.default_value = material.pop(thickness.EVEN)
 
 
 def _our_layer(material):

@@ -114,6 +114,7 @@ def test_layers_that_are_there_already(addon, dusting, scene):
     assert varnished.lamina.layers[0].varying and top(scene[2]) == pytest.approx(1.0, rel=0.05)
     dusting.remove([scene[2]])
     assert [layer.name for layer in varnished.lamina.layers] == ["Varnish"]
+    assert "lamina_rest" not in scene[2].data.attributes
     assert addon.baking.bake_job.state(varnished) == "fresh"
 
 
@@ -173,6 +174,25 @@ def test_a_new_material_that_the_artist_uses_stays(dusting, scene, change):
     dusting.remove([scene[3], other])
     assert scene[3].material_slots[0].material == new and not new.lamina.enabled
     assert dusting.MARK not in new
+
+
+@pytest.mark.parametrize("grain", [True, False])
+def test_the_artists_own_even_layer_is_even_again(addon, dusting, scene, grain):
+    blue, nodes = scene[2].material_slots[0].material, addon.nodes
+    addon.editing.over_material.add(blue)
+    blue.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(blue)
+    nodes.thickness.wiring(blue).socket.default_value = 0.25
+    if grain:
+        nodes.detail_wiring.add_detail(blue)
+    dusting.dust(bpy.context, scene[2:3])
+    dusting.dust(bpy.context, scene[2:3])
+    assert nodes.thickness.wiring(blue).source == "attribute"
+    dusting.remove(scene[2:3])
+    now = nodes.thickness.wiring(blue)
+    assert (now.source, now.socket.default_value) == ("value", 0.25)
+    assert (nodes.detail_wiring.detail(blue) is not None) == grain, "the layer has the grain that it had"
+    assert ("lamina_rest" in scene[2].data.attributes) == grain, "grain needs the coordinates"
 
 
 def test_a_material_that_other_dusty_objects_share_keeps_its_layer(dusting, scene):
