@@ -112,7 +112,7 @@ def gather(context, objects):
     bakes = {}
     for obj in dusty:
         live_dust.leave(obj)
-        choose_storage(context, obj)
+        choose_storage(context, obj, dusty)
         for material in dust_layers.materials_of(obj):
             uid = _uid(material)
             if uid in bakes:
@@ -154,10 +154,14 @@ def _uid(material):
     return None if material is None else material.session_uid
 
 
-def choose_storage(context, obj):
-    """Keep the dust in an image where an attribute is too coarse, and no other object shares a material."""
-    alone = all(one is None or dust_layers.users(one) == {obj} for one in dust_layers.materials_of(obj))
-    if alone and object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get())):
+def choose_storage(context, obj, objects=()):
+    """Keep the dust in an image where an attribute is too coarse, and no other object shares a material.
+    A material reads one image, so objects that share it, and are dusty or among `objects`, get attributes."""
+    sharing = {one for material in dust_layers.materials_of(obj) if material is not None
+               for one in dust_layers.users(material)} - {obj}
+    if any(one.lamina_dust.told or one in objects for one in sharing):
+        obj.lamina_dust.target = "attribute"
+    elif not sharing and object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get())):
         object_dust.keep_in_image(obj)
 
 

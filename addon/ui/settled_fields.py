@@ -72,6 +72,9 @@ def mismatch(material, settings, name=FRONT):
     if found.source != settings.target:
         text = f"The material does not read it: its {name.lower()} comes from {found.source} {found.name}"
         return text.rstrip()
+    if found.source == "image" and found.node.image != settings.image:
+        return (f"The material reads the image {found.name} in place of this object's dust: give the object "
+                "a material of its own, and settle again")
     if name != FRONT:
         return ""
     most = material.lamina.node_group.get("lamina_largest_tau", -1.0)

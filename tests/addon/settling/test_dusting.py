@@ -243,6 +243,25 @@ def test_a_coarse_cage_of_a_subdivided_object_gets_an_image(dusting, scene):
     assert len(done.objects) == 4
 
 
+def test_a_duplicate_that_shares_the_material_of_dust_in_an_image(addon, dusting, scene):
+    """Both get attributes, because a material reads one image; until then the panel tells."""
+    original = scene[2]
+    original.modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    original.lamina_dust.size = 64
+    dusting.dust(bpy.context, [original])
+    blue, mismatch = original.material_slots[0].material, addon.ui.settled_fields.mismatch
+    assert original.lamina_dust.target == "image" and mismatch(blue, original.lamina_dust) == ""
+    twin = original.copy()
+    twin.data = original.data.copy()
+    bpy.context.collection.objects.link(twin)
+    dusting.object_dust.settle(bpy.context, twin)
+    assert "the image C.001 dust in place of this object's dust" in mismatch(blue, original.lamina_dust)
+    assert mismatch(blue, twin.lamina_dust) == ""
+    dusting.dust(bpy.context, [original, twin])
+    for obj in (original, twin):
+        assert obj.lamina_dust.target == "attribute" and mismatch(blue, obj.lamina_dust) == ""
+
+
 def test_the_operators(addon, dusting, scene, call):
     for obj in bpy.context.view_layer.objects:
         obj.select_set(obj in scene[:2])
