@@ -20,6 +20,18 @@ _ENGINE = "LAMINA_reader"
 _OFF = ("use_compositing", "use_sequencer", "use_freestyle", "use_multiview", "use_persistent_data")
 
 
+def shown(view_layer):
+    """The objects that renders of a view layer show: neither they nor their collections are off in renders,
+    or excluded."""
+    found, waiting = set(), [view_layer.layer_collection]
+    while waiting:
+        one = waiting.pop()
+        if not one.collection.hide_render:
+            waiting += one.children
+            found.update(() if one.exclude else one.collection.objects)
+    return [obj for obj in view_layer.objects if obj in found and not obj.hide_render]
+
+
 def can_convert(obj):
     """True for a curve, a text, a surface or metaballs, which Blender converts to a mesh."""
     return obj is not None and obj.type in SHAPES and obj.type != "MESH"

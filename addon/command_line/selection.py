@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from ..base import editable, messages
+from ..base import editable, messages, rendered
 from ..base.messages import RefusedError
 from .exit_codes import UsageError
 
@@ -106,9 +106,9 @@ def materials(names, with_stack):
 def objects(names):
     """The mesh objects of the scene that the names or patterns select, without duplicates; without names, all
     that renders show. Raises UsageError."""
-    meshes = [one for one in bpy.context.scene.objects if one.type == "MESH"]
     if not names:
-        return [one for one in meshes if not one.hide_render]
+        return [one for one in rendered.shown(bpy.context.view_layer) if one.type == "MESH"]
+    meshes = [one for one in bpy.context.scene.objects if one.type == "MESH"]
     chosen = []
     for name in names:
         exact = [one for one in meshes if one.name == name]

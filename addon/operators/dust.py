@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import messages, preferences
+from ..base import messages, preferences, rendered
 from ..base.messages import RefusedError
 from ..scene import dusting
 from ..settling import dust_job, live_dust, object_dust
@@ -114,10 +114,11 @@ OBJECTS = (
 
 def objects_of(context, which):
     """The objects of the scene that an item of OBJECTS means; without selected ones, all of the scene."""
-    rendered = [obj for obj in context.view_layer.objects if not obj.hide_render]
+    shown = rendered.shown(context.view_layer)
     if which == "COLLECTION":
-        return [obj for obj in context.collection.all_objects if not obj.hide_render]
-    return (context.selected_objects if which == "SELECTED" else []) or rendered
+        inside = set(context.collection.all_objects)
+        return [obj for obj in shown if obj in inside]
+    return (context.selected_objects if which == "SELECTED" else []) or shown
 
 
 class LAMINA_OT_dust_objects(Dusting, bpy.types.Operator):

@@ -280,6 +280,23 @@ def test_the_operators(addon, dusting, scene, call):
     assert [obj.name for obj in scene if obj.lamina_dust.told] == ["B"]
 
 
+def test_objects_that_renders_show(addon, dusting, scene):
+    """Collections may be off in renders, or excluded from the view layer, too."""
+    root = bpy.context.scene.collection
+    for obj, name in zip(scene[:2], ("Off", "Excluded"), strict=True):
+        bpy.context.collection.objects.unlink(obj)
+        outer, inner = bpy.data.collections.new(name), bpy.data.collections.new(f"{name} inside")
+        root.children.link(outer)
+        outer.children.link(inner)
+        inner.objects.link(obj)
+    bpy.data.collections["Off"].hide_render = True
+    bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
+    scene[3].hide_render = True
+    assert addon.operators.dust.objects_of(bpy.context, "SCENE") == scene[2:3]
+    assert addon.command_line.selection.objects([]) == scene[2:3]
+    assert addon.command_line.selection.objects(["A"]) == scene[:1], "by name"
+
+
 def test_a_cancel_changes_nothing(lamina, dusting, scene, known_tables):
     known_tables.clear()  # bakes ask whether they are canceled
     before = {**serialised_tree.of_file(), "images": []}  # reading the scene makes a Render Result
