@@ -32,9 +32,14 @@ def store(obj, again=False):
 
 def store_for(material):
     """Store them for all objects with the material."""
-    for obj in bpy.data.objects:
-        if obj.type == "MESH" and any(slot.material == material for slot in obj.material_slots):
-            store(obj)
+    objects = [obj for obj in bpy.data.objects if obj.type == "MESH" and NAME not in obj.data.attributes
+               and any(slot.material == material for slot in obj.material_slots)]
+    for scene in {scene for obj in objects for scene in obj.users_scene}:
+        # Matrices of scenes that no window shows are out of date.
+        layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
+        layer.update()
+    for obj in objects:
+        store(obj)
 
 
 def remove(mesh):

@@ -167,6 +167,20 @@ def test_rest_coordinates_are_stored_once(addon, dusty, add, call):
     assert not any(group.name.startswith("Lamina Dust Detail") for group in bpy.data.node_groups)
 
 
+def test_rest_coordinates_of_an_object_in_another_scene(addon, dusty, add):
+    parent, child = (bpy.data.objects.new(name, data) for name, data in (("P", None), ("C", plane().data.copy())))
+    other = bpy.data.scenes.new("Other")
+    for obj in (parent, child):
+        other.collection.objects.link(obj)
+    child.parent, parent.scale, child.scale = parent, (5.0, 5.0, 5.0), (2.0, 2.0, 2.0)
+    child.data.materials.append(dusty)
+    add(dusty)
+    places = np.empty(3 * len(child.data.vertices), np.float32)
+    child.data.attributes["lamina_rest"].data.foreach_get("vector", places)
+    own = np.array([one.co[:] for one in child.data.vertices]).ravel()
+    assert np.allclose(places, 10.0 * own) and bpy.context.scene != other
+
+
 def test_a_wiped_place_has_no_layer_and_a_back_without_thickness_stays_so(dusty, add, tmp_path):
     plane().data.materials.append(dusty)
     node = add(dusty)
