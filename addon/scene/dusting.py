@@ -6,13 +6,14 @@ Nothing in the file changes before all bakes and all dust are known: `gather` re
 writes."""
 
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import bpy
 
 from ..baking import bake_job, update
-from ..base import editable, messages, native, preferences, rendered
+from ..base import editable, messages, native, preferences, rendered, unwrap
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
 from ..editing import stack_io
@@ -43,7 +44,8 @@ class Gathered:
     layer or a bake is missing; the uid None stands for a new material for faces without one. notes: sentences
     on what gets no dust. shapes: names of curves, texts and the like, which hold no dust. cover: gives a
     material its layer, and returns what was added: a value of MARK, or None. even: {uid of a material whose
-    own layer is even before dust settles on it: (a value of MARK, its thickness)}."""
+    own layer is even before dust settles on it: (a value of MARK, its thickness)}. storage: what
+    `choose_storage` has returned."""
 
     tasks: list
     bakes: dict
@@ -51,6 +53,7 @@ class Gathered:
     shapes: list = field(default_factory=list)
     cover: Callable = dust_layers.cover
     even: dict = field(default_factory=dict)
+    storage: list = field(default_factory=list)
 
 
 @dataclass
@@ -81,13 +84,16 @@ def dust(context, objects, progress=None, cancel=None, threads=None):
     if none can, lamina's Cancelled with nothing changed, NativeMissingError."""
     gathered = gather(context, objects)
     threads = preferences.threads() if threads is None else threads
-    found = work(gathered, threads, progress or (lambda *_: None), cancel or (lambda: False))
-    return finish(gathered, found)
+    with _restored(gathered.storage):
+        found = work(gathered, threads, progress or (lambda *_: None), cancel or (lambda: False))
+        return finish(gathered, found)
 
 
 def start(context, objects):
     """Start in the background, as dust_job.start does. Raises as `gather` does, before it starts."""
-    return dust_job.take(DustingJob(gather(context, objects), preferences.threads()))
+    gathered = gather(context, objects)
+    with _restored(gathered.storage):
+        return dust_job.take(DustingJob(gathered, preferences.threads()))
 
 
 def gather(context, objects):
@@ -109,10 +115,22 @@ def gather(context, objects):
     if not dusty:
         notes += map(rendered.to_convert, shapes)
         raise RefusedError(notes[0] if notes else "There is no mesh object for dust to settle on")
+    storage = []
+    with _restored(storage):
+        for obj in dusty:
+            live_dust.leave(obj)
+            storage.append(choose_storage(context, obj, dusty))
+        bakes = _bakes(dusty, notes)
+        even = {one.session_uid: found for obj in dusty for one in dust_layers.materials_of(obj)
+                if (found := dust_layers.evenness(one))}
+        return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)),
+                        [obj.name for obj in shapes], even=even, storage=storage)
+
+
+def _bakes(dusty, notes):
+    """The bakes of Gathered; `notes` gets sentences."""
     bakes = {}
     for obj in dusty:
-        live_dust.leave(obj)
-        choose_storage(context, obj, dusty)
         for material in dust_layers.materials_of(obj):
             uid = _uid(material)
             if uid in bakes:
@@ -122,11 +140,7 @@ def gather(context, objects):
             except Exception as error:
                 bakes[uid] = None
                 notes.append(dust_layers.note(error, material))
-    bakes = {uid: bake for uid, bake in bakes.items() if bake is not None}
-    even = {one.session_uid: found for obj in dusty for one in dust_layers.materials_of(obj)
-            if (found := dust_layers.evenness(one))}
-    return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)),
-                    [obj.name for obj in shapes], even=even)
+    return {uid: bake for uid, bake in bakes.items() if bake is not None}
 
 
 class DustingJob(Worker):
@@ -141,10 +155,12 @@ class DustingJob(Worker):
         """Write layers, bakes and dust; main thread only. Returns what `written` does; None after a cancel,
         with nothing changed. Raises errors of the work."""
         if self.cancelling:
+            _restore(self.gathered.storage)
             return None
-        if self.error is not None:
-            raise self.error
-        return self.written()
+        with _restored(self.gathered.storage):
+            if self.error is not None:
+                raise self.error
+            return self.written()
 
     def written(self):
         return finish(self.gathered, self.result)
@@ -156,13 +172,39 @@ def _uid(material):
 
 def choose_storage(context, obj, objects=()):
     """Keep the dust in an image where an attribute is too coarse, and no other object shares a material.
-    A material reads one image, so objects that share it, and are dusty or among `objects`, get attributes."""
+    A material reads one image, so objects that share it, and are dusty or among `objects`, get attributes.
+    Returns what was before: (the object's uid, target, UV map, True if it had the map of `unwrap`)."""
+    settings = obj.lamina_dust
+    before = obj.session_uid, settings.target, settings.uv_map, unwrap.NAME in obj.data.uv_layers
     sharing = {one for material in dust_layers.materials_of(obj) if material is not None
                for one in dust_layers.users(material)} - {obj}
     if any(one.lamina_dust.told or one in objects for one in sharing):
-        obj.lamina_dust.target = "attribute"
+        settings.target = "attribute"
     elif not sharing and object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get())):
         object_dust.keep_in_image(obj)
+    return before
+
+
+def _restore(storage):
+    """Undo `choose_storage`; `storage` holds what it has returned."""
+    for uid, target, uv_map, has_map in storage:
+        obj = with_uid(bpy.data.objects, uid)
+        if obj is None:
+            continue
+        obj.lamina_dust.target, obj.lamina_dust.uv_map = target, uv_map
+        made = None if has_map or obj.mode == "EDIT" else obj.data.uv_layers.get(unwrap.NAME)
+        if made is not None:
+            obj.data.uv_layers.remove(made)
+
+
+@contextmanager
+def _restored(storage):
+    """The storage of the objects is as before after an error."""
+    try:
+        yield
+    except BaseException:
+        _restore(storage)
+        raise
 
 
 def _bake_with_dust(material):

@@ -116,10 +116,10 @@ def keep_in_image(obj):
     """Let the next dust of `obj` be an image, over a UV map whose faces do not overlap: the chosen one, or
     one named “Lamina” that is unwrapped now. Raises RefusedError, NativeMissingError."""
     settings, mesh = obj.lamina_dust, obj.data
-    settings.target = "image"
     chosen = uv_maps.find(mesh, settings.uv_map)
     if chosen is None or not unwrap.fits(mesh, chosen.name):
         settings.uv_map = unwrap.ensure(obj)
+    settings.target = "image"
 
 
 def gather(context, obj, live=False, preview=False, moment=None):

@@ -299,6 +299,8 @@ def test_objects_that_renders_show(addon, dusting, scene):
 
 def test_a_cancel_changes_nothing(lamina, dusting, scene, known_tables):
     known_tables.clear()  # bakes ask whether they are canceled
+    scene[2].modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    scene[2].data.uv_layers.remove(scene[2].data.uv_layers[0])
     before = {**serialised_tree.of_file(), "images": []}  # reading the scene makes a Render Result
     with pytest.raises(lamina.Cancelled):
         dusting.dust(bpy.context, scene, cancel=iter([False] * 3 + [True] * 1000).__next__)
@@ -309,3 +311,4 @@ def test_a_cancel_changes_nothing(lamina, dusting, scene, known_tables):
     dusting.dust_job.forget()
     assert {**serialised_tree.of_file(), "images": []} == before
     assert not any(one.lamina.enabled for one in bpy.data.materials) and len(bpy.data.materials) == 2
+    assert scene[2].lamina_dust.target == "attribute" and not scene[2].data.uv_layers
