@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strokes on the packed images of thickness and coverage are saved with the file.
+"""Strokes on the packed images of thickness, coverage and masks are saved with the file.
 
 Blender saves a packed image as it was packed last, without what was painted since then. Blender offers to
 save the strokes only when it quits."""
@@ -12,7 +12,7 @@ from . import thickness
 
 
 def of(material):
-    """The images that a material reads as thickness or coverage, and those that it keeps for later."""
+    """The painted images that a material reads, and those that it keeps for later."""
     read = thickness.images_read(material.node_tree) if material.node_tree is not None else set()
     kept = map(material.get, thickness.KEPT.values())
     return read.union(image for image in kept if image is not None)

@@ -248,8 +248,8 @@ def new_image(material, of=FRONT, value=0.0):
 
 
 def images_read(tree):
-    """The images that a material's nodes read as thickness or coverage."""
-    return {node.image for node in tree.nodes if node.get(MARK, "").endswith("image") and node.image}
+    """The images that a material's nodes read as thickness, coverage or a painted mask."""
+    return {node.image for node in tree.nodes if MARK in node and node.type == "TEX_IMAGE" and node.image}
 
 
 def _image(material, wanted, of):

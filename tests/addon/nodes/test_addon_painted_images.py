@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strokes on images of thickness and coverage, which are saved with the file."""
+"""Strokes on images of thickness, coverage and masks, which are saved with the file."""
 
 import bpy
 import numpy as np
@@ -31,3 +31,17 @@ def test_strokes_are_saved_with_the_file(addon, lamina, material, tmp_path):
     (material,) = bpy.data.materials
     assert thickness.wiring(material).node.image.pixels[0] == 0.5
     assert material[thickness.KEPT["Coverage"]].pixels[0] == 0.25
+
+
+def test_strokes_of_a_mask_are_saved_with_the_file(addon, lamina, material, tmp_path):
+    material.use_fake_user = True
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    bpy.ops.mesh.primitive_plane_add()
+    _, image = addon.settling.wiping.add_mask(bpy.context.object, material, "image")
+    paint(image, 1.0)
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "wiped.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "wiped.blend"))
+    (material,) = bpy.data.materials
+    assert addon.nodes.detail_wiring.mask(material).image.pixels[0] == 1.0
