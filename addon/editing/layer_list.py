@@ -5,7 +5,7 @@ import hashlib
 import json
 
 from ..base import changes, preferences, renders
-from ..nodes import detail_wiring, displacement, dust_detail, node_group, thickness
+from ..nodes import detail_wiring, displacement, dust_detail, node_group, painted_images, thickness
 from ..properties import migration
 from ..stack_json import stack_write
 from ..stack_json.stack_read import FIRST_NAMES
@@ -30,7 +30,10 @@ def add_stack(material):
 
 def remove_stack(material):
     """Take layers, node groups and their images away from `material`, and restore its nodes and links as they
-    were before Lamina. Nodes that the artist has added stay."""
+    were before Lamina. Nodes that the artist has added and painted images stay."""
+    for image in painted_images.of(material):  # Blender saves no image without users
+        if image.packed_file is not None and image.is_editable and thickness.TWO_SIDES not in image:
+            image.use_fake_user = True
     displacement.remove(material)
     node_group.remove(material)
     if material.node_tree is not None:

@@ -45,3 +45,16 @@ def test_strokes_of_a_mask_are_saved_with_the_file(addon, lamina, material, tmp_
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "wiped.blend"))
     (material,) = bpy.data.materials
     assert addon.nodes.detail_wiring.mask(material).image.pixels[0] == 1.0
+
+
+def test_painted_images_stay_without_layers(addon, lamina, material):
+    thickness = addon.nodes.thickness
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    thickness.wire_thickness(material, "image")
+    material[thickness.KEPT["Coverage"]] = thickness.new_image(material, "Coverage")
+    bpy.ops.mesh.primitive_plane_add()
+    addon.settling.wiping.add_mask(bpy.context.object, material, "image")
+    addon.editing.layer_list.remove_stack(material)
+    stay = {image.name for image in bpy.data.images if image.use_fake_user}
+    assert stay == {"Bronze thickness", "Bronze coverage", "Plane wiped"}
