@@ -47,7 +47,8 @@ def assign(material, data):
     _write(settings.base, base)
     settings.about, settings.illuminant = about, light
     settings.active_index = 0
-    material.pop(detail_wiring.WANTED, None)  # of the earlier layers
+    for key in (detail_wiring.WANTED, detail_wiring.DUSTED):  # of the earlier layers
+        material.pop(key, None)
     changes.tell(material)
 
 

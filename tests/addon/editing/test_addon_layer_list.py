@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Editing the layer list: every operator has the effect of its plain function, and can be undone."""
 
+import importlib
+
 import bpy
 import pytest
 
@@ -230,6 +232,17 @@ def test_remove_stack(addon, lamina, material, call):
     assert not material.lamina.enabled and not material.lamina.layers
     assert not bpy.data.node_groups and not bpy.data.images
     assert {node.name for node in material.node_tree.nodes} == nodes
+
+
+def test_other_layers_are_not_those_of_dust(addon, material):
+    """Dust that is removed from objects takes its own layers away, and not those that follow them."""
+    dusted = importlib.import_module(f"{addon.__package__}.scene.dusting").MARK
+    material[dusted] = "stack"
+    addon.editing.stack_io.assign(material, addon.editing.stack_io.to_dict(material))
+    assert dusted not in material
+    material[dusted] = "stack"
+    addon.editing.layer_list.remove_stack(material)
+    assert dusted not in material
 
 
 @pytest.mark.parametrize("index", [-3, 7, 165337089])
