@@ -39,9 +39,9 @@ def files(names):
 
 
 def open_file(path):
-    """Open a .blend. Raises RefusedError."""
+    """Open a .blend, with its workspaces, which a save would lose otherwise. Raises RefusedError."""
     try:
-        result = bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+        result = bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=True)
         words = "" if "FINISHED" in result else "Blender cancelled"
     except RuntimeError as error:
         words = messages.reported(error) or "Blender names no reason"

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from batch_files import baked, held, make
+from batch_files import baked, held, in_another_process, make
 
 LINE = re.compile(r": fit error [\d.e-]+ %, worst slice [\d.e-]+ %, \d+ closures, standard, preview, [\d.]+ s$")
 
@@ -322,3 +322,19 @@ def test_a_damaged_finished_bake_is_made_again(run, files, bakes, finished_bakes
     bakes.clear()
     assert run("bake", files[1], "dusty_a", "--save")[0] == 0 and len(bakes) == 1 and kept.read_bytes() == whole
     assert held(files[0])[0]["dusty_a"] == held(files[1])[0]["dusty_a"]
+
+
+def test_workspaces_stay(addon, lamina, tmp_path):
+    """In a Blender that has just started: one that opened files before may have no windows of its own."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    bpy.data.workspaces[0].name = "Look"
+    material = bpy.data.materials.new("dusty")
+    addon.editing.layer_list.add_stack(material)
+    material.use_fake_user, material.lamina.quality = True, "preview"
+    file = tmp_path / "look.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    assert in_another_process("bake", file, "--save").wait() == 0
+    with bpy.data.libraries.load(str(file)) as (inside, _):
+        assert "Look" in inside.workspaces
+    assert baked(file) == {"dusty"}
