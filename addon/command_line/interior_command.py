@@ -11,6 +11,7 @@ from ..base import messages, native
 from ..interior import interior_job
 from ..kinds import interiors
 from ..kinds.limits import MOST_THREADS
+from ..properties import migration
 from . import selection, waiting
 from .argument_types import number, whole
 from .exit_codes import FAILED, OK, UsageError
@@ -117,6 +118,9 @@ def _compute(obj, arguments):
     material, began = obj.active_material, time.perf_counter()
     if material is None:
         raise messages.RefusedError("has no material")
+    problem = migration.problem(material)
+    if problem:
+        raise messages.RefusedError(f"{material.name} is {problem}")
     settings = material.lamina.interior
     before = {name: getattr(settings, name) for name in ("output", "size", "noise")}
     try:

@@ -4,6 +4,7 @@
 from ..baking import bake_job
 from ..base import editable, messages, native, preferences
 from ..editing import over_material, stack_io
+from ..properties import migration
 from . import words
 from .finished_tables import Wanted
 
@@ -37,7 +38,7 @@ class Plan:
 
     def _make(self, stack, arguments):
         material = self.material
-        problem = editable.problem(material)
+        problem = migration.problem(material)
         if problem:
             raise messages.RefusedError(problem)
         if self._was_enabled:

@@ -4,7 +4,7 @@
 import bpy
 
 from ..baking import bake_job
-from ..base import editable, messages, native
+from ..base import messages, native
 from ..nodes import node_group, thickness
 from ..nodes.side_graph import FRONT
 from ..properties import migration
@@ -53,14 +53,10 @@ def can_edit(cls, context):
     if material is None:
         cls.poll_message_set("No active material")
         return False
-    problem = editable.problem(material)
+    problem = migration.problem(material)
     if problem:
         cls.poll_message_set(f"The material is {problem}")
-        return False
-    if migration.is_from_the_future(material):
-        cls.poll_message_set("The layers were made by a newer version of Lamina")
-        return False
-    return True
+    return not problem
 
 
 def has_stack(cls, context):

@@ -22,6 +22,12 @@ def start(material):
         settings.schema = material_properties.SCHEMA
 
 
+def problem(material):
+    """What a material is whose layers cannot be changed, after "The material is", or ''."""
+    newer = "from a newer version of Lamina" if is_from_the_future(material) else ""
+    return editable.problem(material) or newer
+
+
 def is_from_the_future(material):
     """True if a newer Lamina wrote the material; it is then shown but not changed."""
     return material.lamina.schema > material_properties.SCHEMA

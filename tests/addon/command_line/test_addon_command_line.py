@@ -217,6 +217,14 @@ def test_linked_materials(run, addon, materials, tmp_path):
     assert code == 1 and lines == ["floor: failed: linked from another file: edit it there, or make it local"]
 
 
+def test_layers_of_a_newer_lamina_are_left_alone(run, addon, materials):
+    floor = materials["floor"]
+    floor.lamina.schema = addon.properties.material_properties.SCHEMA + 1
+    code, lines, _ = run("bake", "floor")
+    assert code == 1 and lines == ["floor: failed: from a newer version of Lamina"]
+    assert floor.lamina.node_group is None
+
+
 def test_interrupted_in_process(run, addon, lamina, materials, monkeypatch, tmp_path):
     addon.baking.bake_job.bake_material(materials["floor"])
     before = materials["floor"].lamina.result.stack_hash

@@ -42,6 +42,14 @@ def test_both_kinds_and_a_saved_file(run, ball, tmp_path):
         "World", "World by view", "World by view squared"]
 
 
+def test_layers_of_a_newer_lamina_are_left_alone(run, addon, ball):
+    settings = ball.active_material.lamina
+    settings.schema = addon.properties.material_properties.SCHEMA + 1
+    code, lines, _ = run("Ball", "--size", 12)
+    assert code == 1 and lines == ["Ball: failed: Marble is from a newer version of Lamina"]
+    assert settings.lateral_group is None and settings.interior.size == 64
+
+
 @pytest.mark.parametrize(("arguments", "code", "words"), [
     (("Cube",), 2, "no mesh object of the scene matches 'Cube'"),
     (("Ball", "--kind", "both"), 2, "invalid choice"),
