@@ -16,6 +16,7 @@ from . import layer_list, stack_io
 # Of the first layer: the material stays visible. The color is that of a thick layer of house dust.
 DUST = {"mode": "colour", "tau": 0.3, "colour": (0.38, 0.33, 0.26)}
 
+TWICE = "The material has Lamina layers already"
 _APPROXIMATE = (
     "Approximate, because the shader stays in use below the layers: they do not blur or tint its light. The "
     "panel shows the error after the bake"
@@ -29,7 +30,7 @@ _CORRECTION = (
 def problem(material):
     """Why layers cannot be put over `material`, in a sentence, or ''."""
     if material.lamina.enabled:
-        return "The material has Lamina layers already"
+        return TWICE
     if material.node_tree is not None and not node_tree.is_on(material):
         return "Use Nodes is off for this material: switch it on, or make new layers"
     if principled.shown(material) is None:

@@ -75,7 +75,12 @@ class LAMINA_OT_add_stack(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return common.can_edit(cls, context)
+        if not common.can_edit(cls, context):
+            return False
+        if common.material_of(context).lamina.enabled:
+            cls.poll_message_set(over_material.TWICE)
+            return False
+        return True
 
     def invoke(self, context, _event):
         """A click: add the layers and show them. Scripts, which execute, bake themselves."""

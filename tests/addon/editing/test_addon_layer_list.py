@@ -173,6 +173,8 @@ def test_the_first_stack_takes_the_shown_colour(addon, call):
     assert call(bpy.ops.lamina.add_stack, material) == {"FINISHED"}
     assert tuple(material.lamina.base.reflectance) == pytest.approx((0.9, 0.1, 0.2))
     assert len(material.lamina.layers) == 1
+    with pytest.raises(RuntimeError, match="has Lamina layers already"):
+        call(bpy.ops.lamina.add_stack, material)
 
 
 def test_names_are_unique(addon):
