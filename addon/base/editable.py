@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials whose layers and nodes can be changed.
+"""Materials whose layers and nodes can be changed, and meshes that can be written.
 
 A library override of a material keeps neither the add-on's properties nor nodes: Blender takes both from the
 library when the file is opened again.
@@ -19,6 +19,12 @@ def problem(material):
     if material.override_library is not None:
         return "a library override, which does not keep changes of layers: make it local"
     return ""
+
+
+def require_no_edit_mode(obj):
+    """Raises RefusedError for an object in Edit Mode, in which its mesh has no arrays."""
+    if obj.mode == "EDIT":
+        raise RefusedError(f"{obj.name} is being edited: leave Edit Mode")
 
 
 def require(material):

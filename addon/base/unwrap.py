@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import mesh_arrays, native
+from . import editable, mesh_arrays, native
 from .messages import RefusedError
 
 NAME = "Lamina"  # of the UV map
@@ -26,6 +26,7 @@ def ensure(obj):
         return NAME
     if not mesh.polygons:
         raise RefusedError(f"{obj.name} has no faces that could be unwrapped")
+    editable.require_no_edit_mode(obj)
     corners = _projected(mesh)
     layer = mesh.uv_layers.get(NAME) or mesh.uv_layers.new(name=NAME, do_init=False)
     if layer is None or len(corners) != 2 * len(mesh.loops):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import messages, preferences, rendered, unwrap, uv_maps
+from ..base import editable, messages, preferences, rendered, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
@@ -128,6 +128,8 @@ def gather(context, material, choice):
             raise RefusedError("Select a mesh object that has this material")
         if obj.type != "MESH":
             raise RefusedError(rendered.to_convert(obj))
+        if place in (PAINTED, IMAGE):
+            editable.require_no_edit_mode(obj)
         if _needs_bake(material, layer, place):
             bakes[material.session_uid] = _bake(material, choice)
     if place == SETTLED:

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from ..base import data_image, unwrap, uv_maps
+from ..base import data_image, editable, unwrap, uv_maps
 from ..base.messages import RefusedError
 from ..nodes import detail_wiring
 from . import object_dust
@@ -31,6 +31,7 @@ def add_mask(obj, material, kept="AUTO"):
     is kept. Returns ("attribute" or "image", image or None). Raises RefusedError."""
     if obj.type != "MESH" or not obj.data.is_editable:
         raise RefusedError("Dust is wiped off mesh objects of this file: select one")
+    editable.require_no_edit_mode(obj)
     if kept == "AUTO":
         kept = store(obj)
     uv_map = uv_maps.find(obj.data, "")

@@ -184,6 +184,22 @@ def test_refused_with_nothing_changed(addon, place, plate, material, call):
     assert not material.lamina.layers[0].varying and material.lamina.node_group is None
 
 
+def test_edit_mode_is_refused(addon, place, plate, material, call):
+    while plate.data.uv_layers:
+        plate.data.uv_layers.remove(plate.data.uv_layers[0])
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name in MEDIUM[2:]:
+        with pytest.raises(RuntimeError, match="is being edited: leave Edit Mode"):
+            choose(plate, call, name)
+    assert not material.lamina.layers[0].varying and material.lamina.node_group is None
+    material.lamina.layers[0].varying = True
+    addon.baking.bake_job.bake_material(material)
+    with pytest.raises(RuntimeError, match="is being edited: leave Edit Mode"):
+        call(bpy.ops.lamina.dust_wipe, material, kept="attribute")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert addon.settling.wiping.ATTRIBUTE not in plate.data.attributes and not plate.data.uv_layers
+
+
 def test_dust_that_fails_changes_nothing(addon, lamina, place, plate, material, call, monkeypatch):
     def fail(*_args, **_how):
         raise lamina.DustError("the dust of this test fails")
