@@ -202,7 +202,8 @@ class LAMINA_OT_film_paint(bpy.types.Operator):
 
 
 def _has_mesh(cls, context):
-    if context.object is None or context.object.type != "MESH":
-        cls.poll_message_set("Select a mesh object")
+    obj, material = context.object, common.material_of(context)
+    if obj is None or obj.type != "MESH" or all(slot.material != material for slot in obj.material_slots):
+        cls.poll_message_set(place.WITHOUT)
         return False
     return True

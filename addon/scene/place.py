@@ -43,6 +43,7 @@ _OF_KIND = {"medium": (EVEN, SETTLED, PAINTED, IMAGE),
 INPUTS = {"medium": FRONT, "flakes": FRONT, "fibers": FRONT, "interface": COVERAGE}
 RANGE = 4.0  # least optical thickness up to which settled dust and images can be shown
 USUAL = 1.0  # optical thickness of a layer that was never even: at 4 a layer hides all below
+WITHOUT = "Select a mesh object that has this material"
 _SAME = "The layer is the same everywhere"
 
 
@@ -125,7 +126,7 @@ def gather(context, material, choice):
     obj, tasks, bakes = _object(choice), [], {}
     if place != EVEN:
         if obj is None or all(slot.material != material for slot in obj.material_slots):
-            raise RefusedError("Select a mesh object that has this material")
+            raise RefusedError(WITHOUT)
         if obj.type != "MESH":
             raise RefusedError(rendered.to_convert(obj))
         if place in (PAINTED, IMAGE):

@@ -271,6 +271,10 @@ def test_the_buttons_add_detail_and_start_painting(addon, dusty, call):
     assert call(bpy.ops.lamina.dust_detail, dusty) == {"FINISHED"}
     node = addon.nodes.detail_wiring.detail(dusty)
     assert node.inputs["Cloud Size"].default_value == pytest.approx(0.05)
+    other = plane(cells=3)
+    with bpy.context.temp_override(object=other), pytest.raises(RuntimeError, match="has this material"):
+        call(bpy.ops.lamina.dust_wipe, dusty, paint=False)
+    assert not other.data.attributes.get("lamina_wiped")
     assert call(bpy.ops.lamina.dust_wipe, dusty, paint=False) == {"FINISHED"}
     assert node.inputs["Wiped"].links[0].from_node.type == "TEX_IMAGE"  # the mesh is coarse and has a UV map
     assert call(bpy.ops.lamina.dust_detail, dusty, remove=True) == {"FINISHED"}
