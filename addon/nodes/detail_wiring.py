@@ -128,8 +128,6 @@ def remove_mask(material):
     renders.stop_previews()
     node = mask(material)
     if node is not None:
-        if node.type == "TEX_IMAGE" and node.image is not None:
-            node.image.use_fake_user = True
         _unlink_mask(material)
         thickness.remove_nodes(material.node_tree)
 
@@ -151,5 +149,9 @@ def wipe_by(material, node, output, uv_map=None):
 
 
 def _unlink_mask(material):
+    """Unlink the painted mask, and keep its image for the material's next one."""
     for link in list(detail(material).inputs["Wiped"].links):
+        if link.from_node.type == "TEX_IMAGE" and link.from_node.image is not None:
+            link.from_node.image.use_fake_user = True
+            material[thickness.KEPT[thickness.MASK]] = link.from_node.image
         material.node_tree.links.remove(link)

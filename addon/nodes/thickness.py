@@ -38,8 +38,9 @@ _LABELS = {
     "coverage uv": "Coverage UV map",
 }
 INPUTS = {FRONT: "", COVERAGE: "coverage "}  # inputs that a source feeds: before the marks of its nodes
+MASK = "Wiped"  # input of the node of detail
 # Keys of a material: the last image of an input that something else feeds now; the thickness while even
-KEPT = {FRONT: "lamina_kept_thickness", COVERAGE: "lamina_kept_coverage"}
+KEPT = {FRONT: "lamina_kept_thickness", COVERAGE: "lamina_kept_coverage", MASK: "lamina_kept_mask"}
 EVEN = "lamina_even_thickness"
 _MISSING = {
     FRONT: "The material has no thickness input: choose the place of a layer in the panel Where",

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base import data_image, editable, unwrap, uv_maps
 from ..base.messages import RefusedError
-from ..nodes import detail_wiring
+from ..nodes import detail_wiring, thickness
 from . import object_dust
 
 ATTRIBUTE = "lamina_wiped"  # a mesh without this attribute has no wiped places
@@ -49,8 +49,8 @@ def add_mask(obj, material, kept="AUTO"):
     if before is not None and before.type == "TEX_IMAGE" and before.image is not None:
         return kept, before.image
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    name = f"{obj.name} wiped"
-    node.image, node.extension = bpy.data.images.get(name) or data_image.plain(name, IMAGE_SIZE), "EXTEND"
+    kept_image = material.pop(thickness.KEPT[thickness.MASK], None)
+    node.image, node.extension = kept_image or data_image.plain(f"{obj.name} wiped", IMAGE_SIZE), "EXTEND"
     detail_wiring.wipe_by(material, node, "Color", uv_map.name)
     return kept, node.image
 

@@ -253,6 +253,14 @@ def test_white_strokes_remove_the_layer_there_only(addon, dusty, tmp_path, kept)
     other = "image" if kept == "attribute" else "attribute"
     assert wiping.add_mask(square, dusty, other)[0] == other
     assert sum(node.label == "Wiped places" for node in dusty.node_tree.nodes) == 1
+    if kept == "image":
+        assert wiping.add_mask(square, dusty, kept)[1] == image, "the mask that the material had before"
+
+
+def test_a_new_object_of_an_old_name_gets_a_new_mask(addon, dusty):
+    square = plane()
+    old = bpy.data.images.new(f"{square.name} wiped", 8, 8)
+    assert addon.settling.wiping.add_mask(square, dusty, "image")[1] != old
 
 
 def test_a_mesh_without_the_mask_has_no_wiped_places(addon, dusty, tmp_path):
