@@ -39,7 +39,7 @@ def remove_stack(material):
     if material.node_tree is not None:
         thickness.remove_nodes(material.node_tree)
     dust_detail.remove_unused()
-    for key in (detail_wiring.WANTED, detail_wiring.DUSTED, thickness.EVEN, *thickness.KEPT.values()):
+    for key in (detail_wiring.WANTED, detail_wiring.DUSTED, thickness.EVEN, *thickness.kept_keys(material)):
         material.pop(key, None)
     changes.removed(material)
     material.property_unset("lamina")

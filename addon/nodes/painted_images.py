@@ -14,7 +14,7 @@ from . import thickness
 def of(material):
     """The painted images that a material reads, and those that it keeps for later."""
     read = thickness.images_read(material.node_tree) if material.node_tree is not None else set()
-    kept = map(material.get, thickness.KEPT.values())
+    kept = map(material.get, thickness.kept_keys(material))
     return read.union(image for image in kept if image is not None)
 
 

@@ -39,7 +39,8 @@ _LABELS = {
 }
 INPUTS = {FRONT: "", COVERAGE: "coverage "}  # inputs that a source feeds: before the marks of its nodes
 MASK = "Wiped"  # input of the node of detail
-# Keys of a material: the last image of an input that something else feeds now; the thickness while even
+# Keys of a material: the last image of an input that something else feeds now, with a layer's name behind it
+# if the input is one of INPUTS; the thickness while even
 KEPT = {FRONT: "lamina_kept_thickness", COVERAGE: "lamina_kept_coverage", MASK: "lamina_kept_mask"}
 EVEN = "lamina_even_thickness"
 _MISSING = {
@@ -246,6 +247,11 @@ def new_image(material, of=FRONT, value=0.0):
     """A new image of this value everywhere, for this one of the INPUTS."""
     name = f"{material.name} {INPUTS[of] or 'thickness'}".rstrip()
     return data_image.plain(name, IMAGE_SIZE, value, float_buffer=True)
+
+
+def kept_keys(material):
+    """The keys of a material for images that it keeps for later."""
+    return [key for key, _ in material.items() if key.startswith(tuple(KEPT.values()))]
 
 
 def images_read(tree):

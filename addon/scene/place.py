@@ -174,15 +174,27 @@ def _bare(material):
 
 
 def _keep(material, layer):
-    """Keep in the material what the present place has, for the artist who comes back to this place: an image,
-    or the thickness of an even medium."""
-    name, now = INPUTS[layer.kind], of(material, layer)
+    """Keep in the material what the present place has, for the artist who comes back to this place: the image
+    of the layer that varies now, or the thickness of an even medium."""
+    name = INPUTS[layer.kind]
     wiring = thickness.wiring(material, name)
-    if now in (IMAGE, PAINTED) and wiring.source == "image" and wiring.node.image is not None:
-        material[thickness.KEPT[name]] = wiring.node.image
-    elif now == EVEN and layer.kind == "medium":
+    fed = next((one for one in material.lamina.layers if one.varying and INPUTS.get(one.kind) == name), layer)
+    if of(material, fed) in (IMAGE, PAINTED) and wiring.source == "image" and wiring.node.image is not None:
+        material[_kept_key(fed)] = wiring.node.image
+    if of(material, layer) == EVEN and layer.kind == "medium":
         socket = wiring.socket if layer.varying else None
         material[thickness.EVEN] = _range(layer) if socket is None else socket.default_value
+
+
+def _kept_key(layer):
+    """The key of a material for the image of a layer. Blender's keys have up to 63 bytes."""
+    return f"{thickness.KEPT[INPUTS[layer.kind]]} {layer.name}".encode()[:63].decode(errors="ignore")
+
+
+def _kept(layer):
+    """The image that the layer had before, or None. Earlier versions kept one image for all layers."""
+    keys = _kept_key(layer), thickness.KEPT[INPUTS[layer.kind]]
+    return next(filter(None, (layer.id_data.pop(key, None) for key in keys)), None)
 
 
 def _put_medium(obj, layer, place, before):
@@ -190,7 +202,7 @@ def _put_medium(obj, layer, place, before):
     material = layer.id_data
     usual = min(_range(layer), material.get(thickness.EVEN, USUAL))
     if place == IMAGE:
-        image, told = material.pop(thickness.KEPT[FRONT], None), "The image that this layer had before"
+        image, told = _kept(layer), "The image that this layer had before"
         if image is None:
             image = thickness.new_image(material, value=usual)
             told = f"The new image holds the thickness {usual:.3g}: paint on it, or choose another one"
@@ -220,7 +232,7 @@ def _put_film(obj, layer, place, before):
         return "Choose the amount and the size in the panel"
     if of(material, layer) != PAINTED:
         uv_map = _uv_map(obj)
-        image = material.pop(thickness.KEPT[COVERAGE], None) or ""
+        image = _kept(layer) or ""
         thickness.wire_thickness(material, "image", image, uv_map, replace=True, to=COVERAGE)
     return "Paint by Hand: white strokes put the film on, black strokes take it off"
 

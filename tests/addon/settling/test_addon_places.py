@@ -272,6 +272,23 @@ def test_an_image_and_an_even_thickness_come_back(addon, place, plate, material,
     assert socket(addon, material).default_value == pytest.approx(0.3)
 
 
+def test_each_layer_has_an_image_of_its_own(addon, place, plate, material, call):
+    def image():
+        return addon.nodes.thickness.wiring(material).node.image
+
+    material.lamina.layers[0].name = 70 * "ä"  # longer than the names of Blender's properties
+    choose(plate, call, "IMAGE")
+    first = image()
+    addon.editing.layer_list.add_layer(material)
+    choose(plate, call, "IMAGE")
+    second = image()
+    assert second != first
+    for index, own in ((1, first), (0, second), (1, first)):
+        material.lamina.active_index = index
+        choose(plate, call, "IMAGE")
+        assert image() == own and first.users == second.users == 1
+
+
 def test_the_painted_coverage_comes_back(addon, place, plate, material, call):
     addon.editing.layer_list.add_layer(material, "interface")
     choose(plate, call, "PAINTED")
