@@ -13,11 +13,11 @@ _KEY = ("co", "interpolation", "easing", "back", "amplitude", "period", "type", 
 
 
 def is_animated(socket):
-    """True if F-curves or drivers set the value of `socket`."""
+    """True if F-curves, also those in strips, or drivers set the value of `socket`."""
     animation = socket.id_data.animation_data
     if animation is None:
         return False
-    return bool(_of(f_curves.of_active(animation), socket) or _of(animation.drivers, socket))
+    return any(_of(curves, socket) for curves in (*f_curves.of_all(animation), animation.drivers))
 
 
 def copy(given, target):
@@ -28,9 +28,9 @@ def copy(given, target):
     if animation is None:
         return
     path = target.path_from_id(VALUE)
-    curves = f_curves.of_active(animation)
-    for curve in _of(curves, given):
-        _copy_curve(curve, curves.new(path, index=curve.array_index))
+    for curves in f_curves.of_all(animation):
+        for curve in _of(curves, given):
+            _copy_curve(curve, curves.new(path, index=curve.array_index))
     for driver in _of(animation.drivers, given):
         new = animation.drivers.from_existing(src_driver=driver)
         new.data_path, new.array_index = path, driver.array_index

@@ -160,8 +160,19 @@ def test_no_nodes_behind_the_layers_without_emission_and_alpha(addon, add_over, 
     assert surface_source(material).type == expected
 
 
-def test_animations_are_carried(addon, add_over):
+@pytest.mark.parametrize("in_strip", [False, True])
+def test_animations_are_carried(addon, add_over, in_strip):
+    def paths():
+        return [curve.data_path for curves in addon.base.f_curves.of_all(animation) for curve in curves]
+
     material = make(addon, "animated")
+    animation = material.node_tree.animation_data
+    if in_strip:
+        strip = animation.nla_tracks.new().strips.new("Strip", 1, animation.action)
+        if hasattr(strip, "action_slot"):
+            strip.action_slot = animation.action_slot
+        animation.action = None
+    before = paths()
     add_over(material)
     node, scene = group_node(material), bpy.context.scene
     principled = addon.nodes.principled.of(addon.nodes.before.source(material.node_tree))
@@ -175,6 +186,8 @@ def test_animations_are_carried(addon, add_over):
         assert tuple(node.inputs["Base Color"].default_value) == pytest.approx(given)
         seen.add(given)
     assert len(seen) > 2
+    addon.editing.layer_list.remove_stack(material)
+    assert paths() == before
 
 
 def test_nodes_that_the_artist_adds_stay(addon, add_over):
