@@ -5,7 +5,7 @@ painted mask to it."""
 import math
 
 from ..base import renders
-from . import detail_group, dust_detail, dust_litter, rest_coordinates, thickness
+from . import detail_group, dust_detail, dust_litter, rest_coordinates, socket_animation, thickness
 from .side_graph import BACK, FRONT
 
 # Property of a material with an overlay: the next bake adds a node of detail (True), or a film's pattern.
@@ -67,7 +67,8 @@ def insert(material, node, names):
             if socket.is_linked:
                 tree.links.new(socket.links[0].from_socket, node.inputs[name])
             elif not node.inputs[name].is_linked:
-                node.inputs[name].default_value = socket.default_value
+                _carry_value(socket, node.inputs[name])
+                socket_animation.remove(socket)
             tree.links.new(node.outputs[name], socket)
 
 
@@ -82,7 +83,15 @@ def take_out(material, node, names):
             if given.is_linked:
                 tree.links.new(given.links[0].from_socket, target)
             else:
-                target.default_value = given.default_value
+                _carry_value(given, target)
+        socket_animation.remove(given)
+
+
+def _carry_value(given, target):
+    """Give `target` the value of the unlinked socket `given`, with its animation."""
+    target.default_value = given.default_value
+    if not socket_animation.is_animated(target):
+        socket_animation.copy(given, target)
 
 
 def _is_dust(material):

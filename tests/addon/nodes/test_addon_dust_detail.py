@@ -257,6 +257,28 @@ def test_white_strokes_remove_the_layer_there_only(addon, dusty, tmp_path, kept)
         assert wiping.add_mask(square, dusty, kept)[1] == image, "the mask that the material had before"
 
 
+def test_animation_goes_with_the_thickness(addon, dusty, add):
+    def shown():
+        (socket,) = addon.nodes.thickness.sockets_to_feed(dusty)
+        values = []
+        for frame in (1, 11):
+            bpy.context.scene.frame_set(frame)
+            values.append(socket.default_value)
+        return values
+
+    add_plane(dusty)
+    (socket,) = addon.nodes.thickness.sockets_to_feed(dusty)
+    for frame, value in ((1, 0.0), (11, 0.25)):
+        socket.default_value = value
+        socket.keyframe_insert("default_value", frame=frame)
+    add(dusty)
+    assert shown() == [0.0, 0.25]
+    animation = dusty.node_tree.animation_data
+    assert len(addon.base.f_curves.of_active(animation)) == 1
+    addon.nodes.detail_wiring.remove_detail(dusty)
+    assert shown() == [0.0, 0.25] and len(addon.base.f_curves.of_active(animation)) == 1
+
+
 def test_a_new_object_of_an_old_name_gets_a_new_mask(addon, dusty):
     square = plane()
     old = bpy.data.images.new(f"{square.name} wiped", 8, 8)
