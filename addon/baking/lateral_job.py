@@ -25,7 +25,7 @@ class LateralJob(OfMaterial, Worker):
     def __init__(self, material, scene):
         self.uid, self.scene_uid, self.millimetre = material.session_uid, scene.session_uid, millimetre(scene)
         self.output, quality = material.lamina.lateral, material.lamina.quality
-        self.layers = layer_list.mark(material)
+        self.layers = made_from(material)
         self.note = lateral_body.require(bpy.context, scene, material, self.output)
         stack, compute = stack_io.to_stack(material), computation(self.output, material)
         super().__init__(lambda progress, cancel: compute(stack, quality, progress, cancel), "lamina lateral")
@@ -44,7 +44,7 @@ def make(material, scene=None, quality=None, output=None):
     unit and gets the bounces that a volume needs; the default is the context's scene. Raises
     lamina.StackError for media without lengths, RefusedError and lamina.InteriorError for objects of the
     scene that do not fit, SolveError and NativeMissingError; the material is then unchanged."""
-    output, layers = output or material.lamina.lateral, layer_list.mark(material)
+    output, layers = output or material.lamina.lateral, made_from(material)
     scene = scene or bpy.context.scene
     note = lateral_body.require(bpy.context, scene, material, output)
     found = computation(output, material)(stack_io.to_stack(material), quality or material.lamina.quality)
@@ -78,22 +78,30 @@ def computation(output, material):
     return compute
 
 
+def made_from(material):
+    """What a result depends on, as text: the mark of the layers, and the number of scatterings."""
+    return f"{layer_list.mark(material)} {material.lamina.lateral_orders}"
+
+
 def stale(material):
     """The reason why the last result does not fit the layers or the choice, in a sentence, or ''."""
     settings = material.lamina
     if not settings.lateral_report or not settings.lateral_layers:  # none, or one of an earlier version
         return ""
-    if settings.lateral_layers != layer_list.mark(material):
+    layers, *orders = settings.lateral_layers.split()  # of an earlier version: the layers alone
+    if layers != layer_list.mark(material):
         return "Out of date: the layers have changed"
     if settings.lateral not in (settings.lateral_shown, AUTOMATIC):
         names = {item.identifier: item.name for item in settings.bl_rna.properties["lateral"].enum_items}
         shown, chosen = names.get(settings.lateral_shown, ""), names[settings.lateral]
         return f"Out of date: computed with output {shown} instead of {chosen}"
+    if settings.lateral_shown == "PORTAL" and orders not in ([], [str(settings.lateral_orders)]):
+        return "Out of date: computed with another number of scatterings"
     return ""
 
 
 def show(material, scene, output, layers, note, found, length):
-    """Build the nodes of what `computation` has found. `layers`: their mark; `note`: a sentence about the
+    """Build the nodes of what `computation` has found. `layers`: of made_from; `note`: a sentence about the
     objects, or ''. `scene`: gets the bounces that a volume needs, None: no scene. `length`: of a
     millimetre."""
 

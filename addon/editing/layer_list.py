@@ -5,6 +5,7 @@ import hashlib
 import json
 
 from ..base import changes, preferences, renders
+from ..kinds.spectra import ILLUMINANT
 from ..nodes import detail_wiring, displacement, dust_detail, node_group, painted_images, thickness
 from ..properties import migration
 from ..stack_json import stack_write
@@ -119,11 +120,12 @@ def active_layer(material):
 
 
 def mark(material):
-    """A short text that changes with the layers and the base of `material`, but not with their names. It
-    needs no native module and is quick enough for a panel."""
+    """A short text that changes with the layers and the base of `material`, and with the illuminant if it
+    matters, but not with names. It needs no native module and is quick enough for a panel."""
     stack = stack_write.stack(material.lamina)
     layers = [{**layer, "name": ""} for layer in stack["layers"]]
-    return hashlib.sha256(json.dumps([layers, stack["base"]]).encode()).hexdigest()[:24]
+    light = [stack[ILLUMINANT.name]] if ILLUMINANT.name in stack else []
+    return hashlib.sha256(json.dumps([layers, stack["base"], *light]).encode()).hexdigest()[:24]
 
 
 def _active_index(settings):

@@ -157,7 +157,7 @@ class LaminaMaterial(bpy.types.PropertyGroup):
     lateral_report: StringProperty(description="What the last lateral node group promises, as one sentence")
     lateral_shown: StringProperty(description="The output that the last lateral node group shows")
     lateral_layers: StringProperty(
-        description="Mark of the layers of that node group, see layer_list.mark; empty in files of 0.1.0"
+        description="What that node group was made from, see lateral_job.made_from; empty in files of 0.1.0"
     )
     lateral_scatterings: IntProperty(
         description="Scatterings that the lateral nodes leave to Cycles' volume rendering; 0 for none, "

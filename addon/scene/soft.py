@@ -15,7 +15,7 @@ from ..baking import body_thickness, lateral_body, lateral_job, volume_bounces
 from ..base import native, renders
 from ..base.messages import RefusedError
 from ..base.worker import OfMaterial, Worker, with_uid
-from ..editing import layer_list, stack_io
+from ..editing import stack_io
 from ..interior import trial
 from ..nodes import node_group
 from ..properties.material_properties import LATERAL_OUTPUTS
@@ -92,7 +92,7 @@ class _Choice:
         self._quality = material.lamina.quality
         self._millimetre = lateral_job.millimetre(context.scene)
         self._has_lamps = any(one.type == "LIGHT" and not one.hide_render for one in context.scene.objects)
-        self._layers, self._stack = layer_list.mark(material), stack_io.to_stack(material)
+        self._layers, self._stack = lateral_job.made_from(material), stack_io.to_stack(material)
         self._compute = {output: lateral_job.computation(output, material) for output in (*TRIED, LAST)}
         self._outputs, self._tried, self._reason = TRIED, [], ""
         try:

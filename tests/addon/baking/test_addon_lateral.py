@@ -124,6 +124,12 @@ def test_a_chosen_number_of_scatterings(addon, milk, call):
     assert call(bpy.ops.lamina.lateral, milk) == {"FINISHED"}
     assert "scattered up to 2 times in the volume" in milk.lamina.lateral_report
     assert bpy.context.scene.cycles.volume_bounces == 1
+    stale = addon.baking.lateral_job.stale
+    assert stale(milk) == ""
+    milk.lamina.lateral_orders = 3
+    assert stale(milk) == "Out of date: computed with another number of scatterings"
+    milk.lamina.lateral_layers = addon.editing.layer_list.mark(milk)
+    assert stale(milk) == "", "earlier versions did not note the number"
 
 
 @pytest.mark.parametrize("way", ["operator", "worker"])

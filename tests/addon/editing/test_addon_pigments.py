@@ -72,13 +72,17 @@ def test_a_pigment_lies_over_a_principled_material(addon, lamina, material):
 
 def test_the_light_under_which_pigments_are_seen(addon, lamina, material):
     """It counts only where spectra are, is baked, and survives a round trip; a light of one's own is refused."""
+    mark = addon.editing.layer_list.mark
+    before = mark(material)
     material.lamina.illuminant = "A"
-    assert "illuminant" not in addon.editing.stack_io.to_dict(material)
+    assert "illuminant" not in addon.editing.stack_io.to_dict(material) and mark(material) == before
     pigment_layer(material)
     data = addon.editing.stack_io.to_dict(material)
     assert data["illuminant"] == "A" and addon.editing.stack_io.to_stack(material).illuminant == "A"
     warm = addon.baking.bake_job.bake_material(material).reflectance(0.7)
+    before = mark(material)
     material.lamina.illuminant = "D65"
+    assert mark(material) != before, "for the results of the panel Depth"
     assert addon.baking.bake_job.state(material) != "fresh"
     assert warm[0] > addon.baking.bake_job.bake_material(material).reflectance(0.7)[0] + 0.005
     addon.editing.stack_io.assign(material, data)
