@@ -6,7 +6,7 @@ import json
 
 from ..base import changes, preferences, renders
 from ..kinds.spectra import ILLUMINANT
-from ..nodes import detail_wiring, displacement, dust_detail, node_group, painted_images, thickness
+from ..nodes import detail_wiring, displacement, dust_detail, node_group, own_nodes, painted_images, thickness
 from ..properties import migration
 from ..stack_json import stack_write
 from ..stack_json.stack_read import FIRST_NAMES
@@ -18,6 +18,8 @@ def add_stack(material):
     """Give `material` a first stack: a thin layer over the present colour of the material."""
     renders.stop_previews()
     settings = material.lamina
+    if material.node_tree is not None and not settings.enabled and settings.lateral_group is None:
+        own_nodes.unmark_all(material.node_tree)  # Paste Material copies Lamina's nodes of another material
     migration.start(material)
     if not settings.layers:
         layer = settings.layers.add()

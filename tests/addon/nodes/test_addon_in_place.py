@@ -160,6 +160,21 @@ def test_no_nodes_behind_the_layers_without_emission_and_alpha(addon, add_over, 
     assert surface_source(material).type == expected
 
 
+def test_layers_over_a_pasted_material(addon, add_over, call):
+    """It shows the nodes of another material's layers, which are the artist's now."""
+    first, second = make(addon, "metal"), make(addon, "texture")
+    add_over(first)
+    bpy.ops.mesh.primitive_cube_add()  # the operators need an active object
+    call(bpy.ops.material.copy, first)
+    call(bpy.ops.material.paste, second)
+    before = serialised_tree.of_tree(second.node_tree)
+    assert not second.lamina.enabled and surface_source(second).type == "GROUP"
+    add_over(second)
+    addon.editing.layer_list.remove_stack(second)
+    after = serialised_tree.of_tree(second.node_tree)
+    assert after["links"] == before["links"] and after["nodes"].keys() == before["nodes"].keys()
+
+
 @pytest.mark.parametrize("in_strip", [False, True])
 def test_animations_are_carried(addon, add_over, in_strip):
     def paths():
