@@ -127,8 +127,9 @@ def looked():
 
 
 def finish():
-    """Bake all that is pending, and wait for it. For a render that the main thread starts."""
-    while are_pending() and bake_job.running() is None:
+    """Bake all that is pending, and wait for it. For a render that the main thread starts. Nothing can be
+    shown while a preview renders, and Blender notices its end only on this thread: then all waits."""
+    while are_pending() and bake_job.running() is None and not renders.is_running():
         poll()
         if running() is not None:
             running().wait()

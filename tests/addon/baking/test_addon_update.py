@@ -269,6 +269,20 @@ def test_a_render_has_the_update_finished_first(addon, update, material, monkeyp
     assert addon.baking.bake_job.state(material) == "fresh" and not update.are_pending()
 
 
+def test_a_render_does_not_wait_for_a_preview(addon, update, material, monkeypatch):
+    asked = []
+
+    def is_bound():
+        asked.append(None)
+        assert len(asked) < 1000, "it waits for ever"
+        return True
+
+    monkeypatch.setattr(addon.base.renders, "is_bound_to_preview", is_bound)
+    material.lamina.layers[0].tau = 2.5
+    update.finish()
+    assert update.are_pending() and addon.baking.bake_job.state(material) == "stale"
+
+
 @pytest.mark.parametrize("deaf", [False, True])
 def test_the_thread_of_a_render_waits_for_the_main_thread(addon, update, material, monkeypatch, deaf):
     before_render, renders = addon.baking.before_render, addon.base.renders
