@@ -18,6 +18,8 @@ def problem(material):
         return "linked from another file: edit it there, or make it local"
     if material.override_library is not None:
         return "a library override, which does not keep changes of layers: make it local"
+    if material.is_grease_pencil:
+        return "a Grease Pencil material"
     return ""
 
 

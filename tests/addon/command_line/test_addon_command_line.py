@@ -217,6 +217,18 @@ def test_linked_materials(run, addon, materials, tmp_path):
     assert code == 1 and lines == ["floor: failed: linked from another file: edit it there, or make it local"]
 
 
+def test_patterns_skip_grease_pencil(run, addon, call):
+    addon.nodes.node_tree.of(bpy.data.materials.new("glaze"))
+    dots = bpy.data.materials.new("gp_dots")
+    bpy.data.materials.create_gpencil_data(dots)
+    code, lines, _ = run("bake", "g*", "--over", "--quality", "preview")
+    assert code == 0 and len(lines) == 1 and lines[0].startswith("glaze: ")
+    code, lines, _ = run("bake", "gp_dots", "--over")
+    assert code == 1 and lines == ["gp_dots: failed: a Grease Pencil material"]
+    with pytest.raises(RuntimeError, match="The material is a Grease Pencil material"):
+        call(bpy.ops.lamina.add_stack, dots)
+
+
 def test_layers_of_a_newer_lamina_are_left_alone(run, addon, materials):
     floor = materials["floor"]
     floor.lamina.schema = addon.properties.material_properties.SCHEMA + 1
