@@ -29,7 +29,7 @@ class LAMINA_OT_measured_base(bpy.types.Operator, ImportHelper):
 
     def execute(self, context):
         try:
-            warning = measured.read(common.material_of(context), self.filepath)
+            warning = measured.read(common.material_of(context), bpy.path.abspath(self.filepath))
         except (ValueError, OSError, native.NativeMissingError) as error:
             return common.refused(self, error)
         if warning:
@@ -76,7 +76,7 @@ class LAMINA_OT_match_measurement(Following, bpy.types.Operator):
                 bpy.ops.lamina.match_measurement("INVOKE_DEFAULT", filepath=self.filepath)
             return {"CANCELLED"}  # nothing is changed yet: the search makes the one undo step
         try:
-            sentence = match_job.match(material, self.filepath)
+            sentence = match_job.match(material, bpy.path.abspath(self.filepath))
         except Exception as error:
             return self.failed(error, context)
         self.report({"INFO"}, sentence)
@@ -84,7 +84,7 @@ class LAMINA_OT_match_measurement(Following, bpy.types.Operator):
 
     def start(self, context):
         material = common.material_of(context)
-        return match_job.start(material, self.filepath), f"Lamina matches {material.name}"
+        return match_job.start(material, bpy.path.abspath(self.filepath)), f"Lamina matches {material.name}"
 
     def told(self, _material):
         return self._job.sentence

@@ -24,7 +24,7 @@ class LAMINA_OT_stack_import(bpy.types.Operator, ImportHelper):
 
     def execute(self, context):
         try:
-            stack_io.import_file(common.material_of(context), self.filepath)
+            stack_io.import_file(common.material_of(context), bpy.path.abspath(self.filepath))
         except (ValueError, OSError) as error:
             return common.refused(self, error)
         return {"FINISHED"}
@@ -50,7 +50,7 @@ class LAMINA_OT_stack_export(bpy.types.Operator, ExportHelper):
     def execute(self, context):
         material = common.material_of(context)
         try:
-            stack_io.export_file(material, self.filepath)
+            stack_io.export_file(material, bpy.path.abspath(self.filepath))
         except (ValueError, OSError) as error:
             self.report({"ERROR"}, messages.sentence(error, material))
             return {"CANCELLED"}

@@ -153,6 +153,13 @@ def test_operators_do_what_the_functions_do(addon, material, lamina, call, tmp_p
     assert lamina.Stack.load(str(exported)).hash == lamina.Stack.load(str(path)).hash
 
 
+def test_paths_may_begin_at_the_blend_file(addon, material, lamina, call, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"))
+    assert call(bpy.ops.lamina.stack_export, material, filepath="//out.json") == {"FINISHED"}
+    assert (tmp_path / "out.json").is_file()
+    assert call(bpy.ops.lamina.stack_import, material, filepath="//out.json") == {"FINISHED"}
+
+
 def test_importing_gives_a_plain_material_a_stack(addon, lamina, tmp_path):
     plain = bpy.data.materials.new("Plain")
     path = tmp_path / "stack.json"
