@@ -193,14 +193,15 @@ def group_nodes(material, group=None):
 
 
 def is_connected(material, group=None):
-    """True if a node of `group`, by default that of the last bake, is connected to the output that Cycles
-    renders, directly or not."""
+    """True if a node of `group`, by default that of the last bake, that is not muted is connected to the
+    output that Cycles renders, directly or not."""
     is_on = material.node_tree is not None and node_tree.is_on(material)
     output = material.node_tree.get_output_node("CYCLES") if is_on else None
     if output is None:
         return False
     group = group or material.lamina.node_group
-    return any(node.type == "GROUP" and node.node_tree == group for node in links.upstream(output))
+    shown = (node for node in links.upstream(output) if node.type == "GROUP" and not node.mute)
+    return any(node.node_tree == group for node in shown)
 
 
 def shows_lateral(material):
@@ -221,6 +222,7 @@ def connect(material, group=None):
     output = tree.get_output_node("CYCLES") or own_nodes.mark(tree.nodes.new("ShaderNodeOutputMaterial"))
     if node is None:
         node = _add_group_node(material, group or material.lamina.node_group, output)
+    node.mute = False
     before.keep(material, output.inputs["Surface"])
     tree.links.new(in_place.end_of(node), output.inputs["Surface"])
     volume = output.inputs[VOLUME]

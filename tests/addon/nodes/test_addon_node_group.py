@@ -173,6 +173,10 @@ def test_disconnected_groups_are_noticed_and_connected(addon, lamina, material, 
     assert not addon.nodes.node_group.is_connected(material), "a re-bake leaves the user's links alone"
     assert call(bpy.ops.lamina.connect, material) == {"FINISHED"}
     assert addon.nodes.node_group.is_connected(material)
+    addon.nodes.node_group.group_nodes(material)[0].mute = True
+    assert not addon.nodes.node_group.is_connected(material)
+    assert call(bpy.ops.lamina.connect, material) == {"FINISHED"}
+    assert addon.nodes.node_group.is_connected(material), "no longer muted"
 
 
 def test_no_drivers_and_no_scripts(addon, lamina, material):
