@@ -95,7 +95,7 @@ def _linked(owners, sources, obj):
                    for one, number in zip(sources, numbers, strict=True)]
 
 
-def mark(objects, obj):
+def mark(objects, obj, with_names=False):
     """A text that changes when other objects of the scene change place or size; cheap."""
     found = []
     for one in objects:
@@ -103,7 +103,8 @@ def mark(objects, obj):
             numbers = [round(value, 4) for row in one.matrix_world for value in row]
             size = [round(value, 4) for value in one.dimensions]
             linked = linking.of(one)
-            found.append((one.name, numbers, size, *([] if linked == linking.ALL else [linked.note()])))
+            name = [one.name] if with_names else []
+            found.append((*name, numbers, size, *([] if linked == linking.ALL else [linked.note()])))
     return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()[:16]
 
 

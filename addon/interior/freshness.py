@@ -69,7 +69,7 @@ def stale(context, obj, material):
 
 def _stale_light(context, obj, earlier):
     frame = _frame(obj, context.scene)
-    now, place = _lamps(context, obj, frame), _place(frame)
+    now, place = _under_earlier_names(_lamps(context, obj, frame), earlier["lamps"]), _place(frame)
     gone = [name for name in earlier["lamps"] if name not in now]
     if gone:
         return f"{_listed(gone)} no longer lights the object: {AGAIN}"
@@ -88,12 +88,29 @@ def _stale_light(context, obj, earlier):
     if earlier["turns"] and has_place and not _alike({"axes": place["axes"]}, earlier["place"]):
         return f"The object has turned under the world's image since: {AGAIN}"
     others = earlier.get("around")
-    if others and around.mark(seen.objects(context.view_layer.layer_collection), obj) != others:
+    shown = list(seen.objects(context.view_layer.layer_collection))
+    # Earlier versions counted names as well.
+    if others and all(around.mark(shown, obj, with_names) != others for with_names in (False, True)):
         return f"Other objects have moved or changed since: {AGAIN}"
     camera = _camera(context.scene, frame)
     if earlier["camera"] and camera is not None and not _alike(camera, earlier["camera"]):
         return f"The camera has moved against the object since: {AGAIN}"
     return ""
+
+
+def _under_earlier_names(now, earlier):
+    """The notes of lamps, where one that only the name tells from an earlier one has the earlier name."""
+    found = dict(now)
+    for name, one in earlier.items():
+        alike = (new for new in now if new not in earlier and new in found and _same_lamps(now[new], one))
+        new = next(alike, None) if name not in now else None
+        if new is not None:
+            found[name] = found.pop(new)
+    return found
+
+
+def _same_lamps(one, other):
+    return one["linking"] == other.get("linking") and _alike_lamps(one, other)
 
 
 def _listed(names):

@@ -228,6 +228,24 @@ def test_lamps(freshness, lit, change, words):
     assert stale(freshness, lit).startswith(words)
 
 
+def test_names_of_lamps_and_of_other_objects_do_not_matter(freshness, lit, addon):
+    from bl_ext.user_default.lamina.interior import around
+
+    wall = linked("Wall", icosphere("Wall", 1.0))
+    note(freshness, lit)
+    named = around.mark(bpy.context.scene.objects, lit, with_names=True)
+    settings = settings_of(lit)
+    settings.made_from = json.dumps(json.loads(settings.made_from) | {"around": named})
+    assert stale(freshness, lit) == "", "a note of an earlier version"
+    note(freshness, lit)
+    wall.name, bpy.data.objects["Key"].name, bpy.data.objects["Instance"].name = "Screen", "Lamp", "Copy"
+    assert stale(freshness, lit) == ""
+    wall.location.x += 1.0
+    assert stale(freshness, lit) == "Other objects have moved or changed since: compute again"
+    bpy.data.objects["Lamp"].location.x += 1.0
+    assert stale(freshness, lit) == "Key no longer lights the object: compute again"
+
+
 def test_the_linking_of_lamps_and_of_meshes(freshness, lit):
     note(freshness, lit)
     wall = linked("Wall", icosphere("Wall", 1.0))
