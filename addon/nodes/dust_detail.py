@@ -43,6 +43,7 @@ _AXES = ((0.36, 0.48, -0.8), (-0.8, 0.6, 0.0), (0.48, 0.64, 0.6))
 
 def group():
     """The node group, made or drawn anew if the file has none of this version."""
+    dust_strength.group()
     return detail_group.of(MARK, VERSION, NAME, _draw)
 
 

@@ -13,8 +13,12 @@ _VALUE = "Strength"
 
 
 def group():
-    """The node group, made with the strength 1 if the file has none."""
-    found = _found()
+    """The node group, made with the strength 1 if the file has none. Groups that came with appended materials
+    are replaced by the first one."""
+    found, *appended = _found_all() or [None]
+    for one in appended:
+        one.user_remap(found)
+        bpy.data.node_groups.remove(one)
     if found is None:
         found = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
         found.interface.new_socket(_VALUE, in_out="OUTPUT", socket_type="NodeSocketFloat")
@@ -43,4 +47,8 @@ def remove_unused():
 
 
 def _found():
-    return next((one for one in bpy.data.node_groups if MARK in one and one.is_editable), None)
+    return next(iter(_found_all()), None)
+
+
+def _found_all():
+    return [one for one in bpy.data.node_groups if MARK in one and one.is_editable]

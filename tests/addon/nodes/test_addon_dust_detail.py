@@ -257,6 +257,17 @@ def test_white_strokes_remove_the_layer_there_only(addon, dusty, tmp_path, kept)
         assert wiping.add_mask(square, dusty, kept)[1] == image, "the mask that the material had before"
 
 
+def test_appended_dust_follows_the_strength_of_all_dust(addon, dusty, add, tmp_path):
+    add(dusty)
+    bpy.data.libraries.write(str(tmp_path / "dusty.blend"), {dusty})
+    with bpy.data.libraries.load(str(tmp_path / "dusty.blend")) as (_source, target):
+        target.materials = [dusty.name]
+    add(dusty)
+    (group,) = [one for one in bpy.data.node_groups if "lamina_dust_strength" in one]
+    details = [one for one in bpy.data.node_groups if "lamina_dust_detail" in one]
+    assert len(details) == group.users == 2
+
+
 def test_animation_goes_with_the_thickness(addon, dusty, add):
     def shown():
         (socket,) = addon.nodes.thickness.sockets_to_feed(dusty)
