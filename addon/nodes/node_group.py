@@ -66,7 +66,7 @@ def build(material, lut):
     group_sockets.settle(group, tau, base)
     if not thin_sheet.is_sheet(lut):
         thin_sheet.remove(group)
-    _replace_images(old_images, image)
+    _replace_images(group, old_images, image)
     _note_origin(group, lut)
     group["lamina_layout"] = json.dumps(_layout(tables))
     group["lamina_largest_tau"] = -1.0 if tau is None else min(tau, LARGEST)
@@ -119,7 +119,7 @@ def update(material, lut):
         group["lamina_largest_tau"] = min(tau, LARGEST)
         group_sockets.follow_thickness(group, old_tau, tau)
     group_sockets.follow_base(group, base)
-    _replace_images(images, lut_image.create(f"Lamina {material.name}", tables))
+    _replace_images(group, images, lut_image.create(f"Lamina {material.name}", tables))
     base_graph.keep_facets(group, _replaced(material))
     _note_origin(group, lut)
     return True
@@ -323,12 +323,16 @@ def images_of(nodes):
     return {node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None}
 
 
-def _replace_images(old_images, image):
-    """Put the new image in the old one's place everywhere, then remove the old one.
+def _replace_images(group, old_images, image):
+    """Put the new image in the old one's place in `group`, then remove the old one, unless the artist's own
+    copy of the group still reads it.
 
     A new datablock is used instead of new pixels, so that undo restores the old pixels, and because Cycles
     reads the pixels of a datablock only once (measured with persistent data, bpy 4.5).
     """
+    for node in group.nodes:
+        if node.type == "TEX_IMAGE" and node.image in old_images:
+            node.image = image
     for old in old_images:
-        if old.library is None and old != image:
+        if old.library is None and old != image and not old.users:
             image_removal.replace(old, image)

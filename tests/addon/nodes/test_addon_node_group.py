@@ -142,6 +142,17 @@ def test_a_copied_material_gets_its_own_group(addon, lamina, material):
     assert len(copy.node_tree.nodes) == len(material.node_tree.nodes)
 
 
+@pytest.mark.parametrize("change", ["build", "update"])
+def test_an_artists_copy_of_a_group_keeps_its_look(addon, lamina, material, change):
+    group, lut = bake(addon, material)
+    copy = group.copy()
+    kept, before = image_of(copy), pixels(image_of(copy)).copy()
+    for _ in range(2):
+        assert getattr(addon.nodes.node_group, change)(material, lut)
+    assert image_of(copy) == kept and np.array_equal(pixels(kept), before)
+    assert image_of(group) != kept and len(bpy.data.images) == 2, "the table between them is gone"
+
+
 def test_a_failed_build_leaves_everything_as_it_was(addon, lamina, material, monkeypatch):
     group, lut = bake(addon, material)
     nodes = sorted(node.name for node in group.nodes)
