@@ -10,7 +10,7 @@ from .side_graph import BACK, FRONT
 
 # Property of a material with an overlay: the next bake adds a node of detail (True), or a film's pattern.
 WANTED = "lamina_detail"
-DUSTED = "lamina_dusted"  # property of a material: what Dust These Objects has added to it, see scene.dusting
+DUSTED = "lamina_dusted"  # property of a material: what Dust These Objects has added to it
 
 
 def detail(material):

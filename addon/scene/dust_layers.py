@@ -15,7 +15,7 @@ from ..settling import live_dust, object_dust
 LAYER = {"name": "Dust", "mode": "optical", "albedo": (0.88, 0.84, 0.78), "phase": "hg", "g": 0.3,
          "varying": True, "tau": 4.0}  # fmt: skip
 
-MARK = "lamina_dusted"  # of a material: what was added to it, see below
+MARK = detail_wiring.DUSTED  # of a material: what was added to it, see below
 _STACK, _LAYER, NEW = "stack", "layer", "new"
 _EVEN, _PLAIN = "even", "plain"  # nothing, but the artist's own layer was even, and without grain
 

@@ -134,7 +134,7 @@ def sampled(thing, wavelengths: Sequence[float], path: str):
 
 
 def _spectra(thing) -> dict[str, Spectrum]:
-    if not is_dataclass(thing) or getattr(thing, "kind", "") == "film":
+    if not is_dataclass(thing) or isinstance(thing, type) or getattr(thing, "kind", "") == "film":
         return {}
     values = {one.name: getattr(thing, one.name) for one in fields(thing) if one.init}
     return {name: value for name, value in values.items() if isinstance(value, Spectrum)}

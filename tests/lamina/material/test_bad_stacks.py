@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lamina
-from lamina import Black, HalfSpace, HenyeyGreenstein, Isotropic, Lambert, Medium, Stack, Tabulated
+from lamina import Black, HalfSpace, HenyeyGreenstein, Interface, Isotropic, Lambert, Medium, Stack, Tabulated
 
 GOOD = Medium(albedo=0.9, tau=1.0)
 
@@ -72,6 +72,12 @@ BAD = {
     "two bases": (
         lambda: Stack([GOOD, Black()], base=Black()), "layers[1].kind = 'black': a base can only stand at the bottom"),
     "base no base": (lambda: Stack([GOOD], base=0.5), "base = 0.5: must be a base or none"),
+    "base a class": (lambda: Stack([GOOD], Lambert), "base = <class 'lamina.kinds.bases.Lambert'>: must be a base or none"),
+    "layer a class": (
+        lambda: Stack([Interface]), "layers[0] = <class 'lamina.kinds.boundaries.Interface'>: must be a layer"),
+    "phase a class": (
+        lambda: medium(phase=HenyeyGreenstein),
+        "layers[1].phase = <class 'lamina.kinds.phases.HenyeyGreenstein'>: must be a phase function"),
     "layer no layer": (lambda: Stack([GOOD, 7]), "layers[1] = 7: must be a layer"),
     "reflectance above 1": (
         lambda: Stack([GOOD], base=Lambert(1.1)), "base.reflectance = 1.1: must lie in [0, 1]"),

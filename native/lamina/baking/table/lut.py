@@ -96,8 +96,9 @@ class Lut(ByContent):
     def reflectance(self, mu_o, side: str = "top", parts: bool = False, tau=None, color=None,
                     metallic: float | None = None, roughness: float | None = None, coverage=None, *, phi_o=0.0):
         """The directional albedo that Cycles shows under uniform light from above, for views with cosine `mu_o` on
-        `side`. Shape: broadcast + (3,). By reciprocity it is the reflectance of a beam from there. `parts`: the pair
-        (by closures that spread light, by mirrors). Other arguments are those of `evaluate`."""
+        `side`. Shape: broadcast + (3,). By reciprocity it is the reflectance of a beam from there, without the light of
+        a sheet that strays to the wrong side (docs/limits.md). `parts`: the pair (by closures that spread light, by
+        mirrors). Other arguments are those of `evaluate`."""
         spread, direct = self._mixed(coverage, tau, (color, metallic, roughness),
                                      lambda function, tau: function.albedo(mu_o, "reflect", side, tau, phi_o))
         return (spread, direct) if parts else spread + direct
