@@ -72,7 +72,8 @@ BAD = {
     "two bases": (
         lambda: Stack([GOOD, Black()], base=Black()), "layers[1].kind = 'black': a base can only stand at the bottom"),
     "base no base": (lambda: Stack([GOOD], base=0.5), "base = 0.5: must be a base or none"),
-    "base a class": (lambda: Stack([GOOD], Lambert), "base = <class 'lamina.kinds.bases.Lambert'>: must be a base or none"),
+    "base a class": (
+        lambda: Stack([GOOD], Lambert), "base = <class 'lamina.kinds.bases.Lambert'>: must be a base or none"),
     "layer a class": (
         lambda: Stack([Interface]), "layers[0] = <class 'lamina.kinds.boundaries.Interface'>: must be a layer"),
     "phase a class": (
