@@ -23,13 +23,13 @@ from ..common.progress import Progress, portion, silent
 from .estimates import COUNTS, NUMBERS, ExitEstimate, LightEstimate, exit_estimate, light_estimate, with_photons
 from .lamps import AnyLamp, Surroundings, from_json
 from .occluders import Occluders
-from .problem import Lights, Problem, Run, Samples, Surface, WalkPoints
+from .problem import SPLIT_PHOTONS, Lights, Problem, Run, Samples, Surface, WalkPoints
 from .walk import Walker
 
 FORMAT, SCHEMA = "lamina-walks", 4
 WORK = "the walk in the mesh"
 _ARRAYS = {"exits": ("moments", "products", "counts"), "light": ("sums", "squares", "counts"),
-           "photons": ("sums", "squares", "counts")}
+           SPLIT_PHOTONS: ("sums", "squares", "counts")}
 _JOB = ("kind", "solid", "interior", "surface", "points", "count", "lamps", "surroundings", "first", "samples", "seed")
 
 
@@ -152,7 +152,7 @@ def merge_passes(runs: Sequence[Sequence[WalkPart]]) -> ExitEstimate | LightEsti
 
 
 def _of_photons(part: WalkPart) -> bool:
-    return isinstance(part, WalkPart) and part.job["kind"] == "photons"
+    return isinstance(part, WalkPart) and part.job["kind"] == SPLIT_PHOTONS
 
 
 def _added(runs: Sequence[Sequence[WalkPart]]) -> tuple[dict, list[np.ndarray]]:
@@ -212,7 +212,7 @@ def _lamps(job: dict) -> tuple[AnyLamp, ...]:
 
 
 def _shapes(job: dict, shard: tuple[int, int]) -> tuple:
-    if job["kind"] == "photons":
+    if job["kind"] == SPLIT_PHOTONS:
         lit = (job["count"], len(job["lamps"]), NUMBERS)
         return lit, lit, (len(job["lamps"]), len(COUNTS))
     points = len(share_of(shard, job["count"]))

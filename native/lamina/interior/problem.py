@@ -31,6 +31,7 @@ from .occluders import Occluders
 from .solid import Solid
 
 MOST_SAMPLES = 1 << 32
+SPLIT_PHOTONS = "split photons"  # a kind of run; earlier ones, "photons", were not split in dark parts
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,7 @@ class Problem:
     def described_photons(self) -> dict:
         """The same of photons for the image."""
         lamps, image = self.lights.lamps, self.image  # type: ignore[union-attr]  # photons have both
-        return {**self.described, "kind": "photons", "split": True, "points": self.points.hash + image.hash,  # type: ignore[union-attr]
+        return {**self.described, "kind": SPLIT_PHOTONS, "points": self.points.hash + image.hash,  # type: ignore[union-attr]
                 "lamps": [to_json(lamp) for lamp in lamps], "surroundings": None}
 
 

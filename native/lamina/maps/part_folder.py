@@ -17,7 +17,7 @@ from ..common.errors import ArgumentError, ShardError
 from ..common.parts import each_part, shards_of
 from ..common.progress import Progress, portion, time_left
 from ..interior.parts import WalkPart
-from ..interior.problem import Samples
+from ..interior.problem import SPLIT_PHOTONS, Samples
 
 FORMAT, SCHEMA = "lamina-run", 2
 MOST_PARTS = 4096
@@ -142,7 +142,7 @@ class PartFolder:
 
 def _shards(job: dict) -> list[tuple[int, int]]:
     most = min(job["count"], MOST_PARTS)
-    if job.get("kind") == "photons":  # each part has sums and squares, of 8 bytes and three channels, at all points
+    if job.get("kind") == SPLIT_PHOTONS:  # each part has sums and squares, of 8 bytes and three channels, at all points
         most = min(MOST_PARTS, max(LEAST_PARTS, MOST_BYTES // (48 * job["count"] * len(job["lamps"]))))
     return shards_of(max(1, min(most, -(-job["count"] * job["samples"] // SAMPLES_PER_PART))))
 

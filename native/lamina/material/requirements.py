@@ -36,7 +36,8 @@ class Requirements:
     def require_walked_base(self) -> None:
         """Raises StackError for a base that random walks and searchlights do not take."""
         if isinstance(self.base, PrincipledBase):
-            raise StackError("base.kind = 'principled': random walks and searchlights take any other base")
+            raise StackError("base.kind = 'principled': must be 'lambert', 'black', 'half-space', 'conductor', "
+                             "'retroreflector' or 'measured' for random walks and searchlights")
 
     def require_isotropic(self, user: str) -> None:
         """Raises StackError for anisotropic facets, which `user` does not take."""
