@@ -84,7 +84,7 @@ def dust(context, objects, progress=None, cancel=None, threads=None):
     if none can, lamina's Cancelled with nothing changed, NativeMissingError."""
     gathered = gather(context, objects)
     threads = preferences.threads() if threads is None else threads
-    with _restored(gathered.storage):
+    with restored(gathered.storage):
         found = work(gathered, threads, progress or (lambda *_: None), cancel or (lambda: False))
         return finish(gathered, found)
 
@@ -92,7 +92,7 @@ def dust(context, objects, progress=None, cancel=None, threads=None):
 def start(context, objects):
     """Start in the background, as dust_job.start does. Raises as `gather` does, before it starts."""
     gathered = gather(context, objects)
-    with _restored(gathered.storage):
+    with restored(gathered.storage):
         return dust_job.take(DustingJob(gathered, preferences.threads()))
 
 
@@ -116,7 +116,7 @@ def gather(context, objects):
         notes += map(rendered.to_convert, shapes)
         raise RefusedError(notes[0] if notes else "There is no mesh object for dust to settle on")
     storage = []
-    with _restored(storage):
+    with restored(storage):
         for obj in dusty:
             live_dust.leave(obj)
             storage.append(choose_storage(context, obj, dusty))
@@ -157,7 +157,7 @@ class DustingJob(Worker):
         if self.cancelling:
             _restore(self.gathered.storage)
             return None
-        with _restored(self.gathered.storage):
+        with restored(self.gathered.storage):
             if self.error is not None:
                 raise self.error
             return self.written()
@@ -198,7 +198,7 @@ def _restore(storage):
 
 
 @contextmanager
-def _restored(storage):
+def restored(storage):
     """The storage of the objects is as before after an error."""
     try:
         yield

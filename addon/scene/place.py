@@ -95,8 +95,9 @@ def put(context, material, place, progress=None, cancel=None):
     choice = _choice(context, material, place)
     gathered = gather(context, material, choice)
     told, stopped = progress or (lambda *_: None), cancel or (lambda: False)
-    found = dusting.work(gathered, preferences.threads(), told, stopped)
-    return _finish(material, choice, gathered, found)
+    with dusting.restored(gathered.storage):
+        found = dusting.work(gathered, preferences.threads(), told, stopped)
+        return _finish(material, choice, gathered, found)
 
 
 class PlaceJob(dusting.DustingJob):
@@ -115,7 +116,9 @@ class PlaceJob(dusting.DustingJob):
 
 def start(context, material, place):
     """Start in the background, as dust_job.start does. Raises as `put` does, before it starts."""
-    return dust_job.take(PlaceJob(context, material, place))
+    job = PlaceJob(context, material, place)
+    with dusting.restored(job.gathered.storage):
+        return dust_job.take(job)
 
 
 def gather(context, material, choice):
@@ -123,7 +126,7 @@ def gather(context, material, choice):
     layer, place = _layer(material, choice), choice.place
     if place not in choices(layer):
         raise RefusedError(f"A layer of this kind has no place “{place.capitalize()}”")
-    obj, tasks, bakes = _object(choice), [], {}
+    obj, tasks, bakes, storage = _object(choice), [], {}, []
     if place != EVEN:
         if obj is None or all(slot.material != material for slot in obj.material_slots):
             raise RefusedError(WITHOUT)
@@ -135,9 +138,10 @@ def gather(context, material, choice):
             bakes[material.session_uid] = _bake(material, choice)
     if place == SETTLED:
         live_dust.leave(obj)
-        dusting.choose_storage(context, obj)
-        tasks = object_dust.gather_all(context, [obj])
-    return dusting.Gathered(tasks, bakes, cover=lambda material: _vary(material, choice))
+        with dusting.restored(storage):
+            storage.append(dusting.choose_storage(context, obj))
+            tasks = object_dust.gather_all(context, [obj])
+    return dusting.Gathered(tasks, bakes, cover=lambda material: _vary(material, choice), storage=storage)
 
 
 def _finish(material, choice, gathered, found):

@@ -212,12 +212,17 @@ def test_dust_that_fails_changes_nothing(addon, lamina, place, plate, material, 
 
 
 def test_a_cancelled_job_changes_nothing(addon, place, plate, material):
+    """Dust on a subdivided mesh would be kept in an image, over a map that is unwrapped."""
+    plate.modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    for layer in list(plate.data.uv_layers):
+        plate.data.uv_layers.remove(layer)
     job = place.start(bpy.context, material, "SETTLED")
     job.cancel()
     job.wait()
     assert job.finish() is None
     addon.settling.dust_job.forget()
     assert not material.lamina.layers[0].varying and NAME not in plate.data.attributes
+    assert plate.lamina_dust.target == "attribute" and not plate.data.uv_layers
 
 
 def test_the_job_of_a_window(addon, place, plate, material):
