@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 
 from ..baking import bake_job, update
-from ..base import editable, messages, native, preferences, rendered, unwrap
+from ..base import messages, native, preferences, rendered, unwrap
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
 from ..editing import stack_io
@@ -211,11 +211,9 @@ def _bake_with_dust(material):
     """The Bake of a material with a layer of dust; None if the material has a varying layer and is baked.
     Raises RefusedError, StackError. The file is as before."""
     if material is not None:
-        problem = editable.problem(material)
+        problem = migration.problem(material)
         if problem:
             raise RefusedError(problem)
-        if migration.is_from_the_future(material):
-            raise RefusedError("its layers were made by a newer version of Lamina")
         if dust_layers.has_dust(material) and bake_job.state(material) in ("fresh", "other"):
             return None
     trial = dust_layers.plain() if material is None else material.copy()

@@ -385,16 +385,13 @@ void lamina::bind_mesh_walk(py::module_& module) {
              py::arg("seed"), py::arg("lamps"), py::arg("by_occluders"), py::arg("surroundings"),
              "(sums [point, lamp or last the surroundings, (channels, moments)], squares, counts).");
   py::class_<PhotonSource>(module, "PhotonSource", "Where the light of a lamp meets a solid.")
-      .def(py::init([](const BoundSolid& solid, const Lamp& lamp) {
-             return PhotonSource(*solid.solid, lamp, solid.occluders.get());
+      .def(py::init([](BoundSolid& solid, const Lamp& lamp, const BoundGrid& grid, const SurfaceBoundary& boundary) {
+             return without_gil([&] {
+               const MeshWalk walk = solid.walk(grid.grid, boundary);
+               return PhotonSource(walk, *solid.solid, lamp, solid.occluders.get(), solid.pool);
+             });
            }),
-           py::arg("solid"), py::arg("lamp"), py::keep_alive<1, 2>())
-      .def(
-          "split_along",
-          [](PhotonSource& self, BoundSolid& solid, const BoundGrid& grid, const SurfaceBoundary& boundary) {
-            without_gil([&] { self.split_along(solid.walk(grid.grid, boundary), solid.pool); });
-          },
-          py::arg("solid"), py::arg("grid"), py::arg("boundary"), "Splits photons in dark parts from now on.");
+           py::arg("solid"), py::arg("lamp"), py::arg("grid"), py::arg("boundary"), py::keep_alive<1, 2>());
   py::class_<SurfaceTexels>(module, "SurfaceTexels", "The parts of a surface below the texels of an image.")
       .def(py::init(&surface_texels), py::arg("solid"), py::arg("uvs"), py::arg("numbers"), py::arg("positions"),
            py::arg("normals"), py::keep_alive<1, 2>(),

@@ -121,12 +121,8 @@ class PhotonSource:
     """
     Where the light of a lamp meets a solid.
     """
-    def __init__(self, solid: Solid, lamp: Lamp) -> None:
+    def __init__(self, solid: Solid, lamp: Lamp, grid: Grid, boundary: Boundary) -> None:
         ...
-    def split_along(self, solid: Solid, grid: Grid, boundary: Boundary) -> None:
-        """
-        Splits photons in dark parts from now on.
-        """
 class SurfaceTexels:
     """
     The parts of a surface below the texels of an image.

@@ -215,8 +215,8 @@ std::optional<OnceScatteredBeam> once_scattered_downward(const LateralStack& sta
 
 namespace {
 
-/// The media and boundaries from below or above a surface at this layer to a face; nothing if media are missing or too
-/// deep, or if a rough boundary lies elsewhere than at the face.
+/// The media and boundaries between the surface at a layer and the upper or lower face. Nothing without media, with a
+/// half-space, or if a rough boundary lies on the way, except one at the lower face.
 std::optional<std::vector<LitSurface::Part>> parts_from(const LateralStack& stack, std::size_t surface, bool up) {
   const std::vector<Layer>& layers = stack.measured().stack.layers;
   const std::vector<Directions>& directions = stack.directions();

@@ -67,7 +67,6 @@ LateralStack::LateralStack(const MeasuredStack& measured, const LateralResolutio
     directions_.push_back(set.in_medium(ior, VectorXd::Constant(1, mu)));
   }
   media_.resize(stack.layers.size());
-  lobes_.resize(stack.layers.size() + 1);
   rough_.resize(stack.layers.size() + 1);
   const int orders = static_cast<int>(resolution.azimuths);
   for (std::size_t layer = 0; layer < stack.layers.size(); ++layer) {
@@ -119,21 +118,21 @@ void LateralStack::add_rough(std::unique_ptr<RoughSurface> surface, std::size_t 
     const MatrixXd through = mean.transmit.kernel.topLeftCorner(below.live, above.live);
     rough.passed = {(through.transpose() * under).cwiseQuotient(over), (through * over).cwiseQuotient(under)};
   }
-  Lobes found;
+  Lobes& lobes = rough.lobes;
   for (int m = 0; m < operators.orders(); ++m) {
-    ScatteringFunction order = operators.order(m);
-    found.up.emplace_back(order.transmit.kernel.transpose());
-    found.reflect_above.push_back(std::move(order.reflect_above.kernel));
-    found.down.push_back(std::move(order.transmit.kernel));
-    found.reflect_below.push_back(std::move(order.reflect_below.kernel));
+    ScatteringFunction order = m == 0 ? mean : operators.order(m);
+    lobes.up.emplace_back(order.transmit.kernel.transpose());
+    lobes.reflect_above.push_back(std::move(order.reflect_above.kernel));
+    lobes.down.push_back(std::move(order.transmit.kernel));
+    lobes.reflect_below.push_back(std::move(order.reflect_below.kernel));
   }
-  lobes_[layer] = std::move(found);
 }
 
 LateralFunction LateralStack::boundary(std::size_t layer, const LateralRows& rows) const {
-  if (const std::optional<Lobes>& rough = lobes_[layer]) {
-    return {from_orders(rough->reflect_above, rows), from_orders(rough->down, rows),
-            from_orders(rough->reflect_below, rows), from_orders(rough->up, rows)};
+  if (const Rough* rough = rough_[layer].get()) {
+    const Lobes& lobes = rough->lobes;
+    return {from_orders(lobes.reflect_above, rows), from_orders(lobes.down, rows),
+            from_orders(lobes.reflect_below, rows), from_orders(lobes.up, rows)};
   }
   const ScatteringFunction smooth =
       smooth_interface(directions_[layer], directions_[layer + 1],
@@ -147,7 +146,7 @@ MatrixXd LateralStack::base(const LateralRows& rows) const {
   const Base& base = measured_.stack.base;
   const Directions& above = directions_.back();
   if (base.is_rough()) {
-    return from_orders(lobes_.back()->reflect_above, rows);
+    return from_orders(rough_.back()->lobes.reflect_above, rows);
   }
   if (base.is_mirror()) {
     return from_delta(base_deltas(base, above).reflect_above.delta, rows);

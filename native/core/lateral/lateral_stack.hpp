@@ -64,9 +64,17 @@ class LateralStack {
   const std::vector<Directions>& directions() const { return directions_; }
   /// Media by layer; empty for boundaries and for media without thickness.
   const std::vector<std::optional<LateralMedium>>& media() const { return media_; }
+  /// A rough boundary by azimuth orders, over nodes and the target.
+  struct Lobes {
+    std::vector<Eigen::MatrixXd> reflect_above;
+    std::vector<Eigen::MatrixXd> down;
+    std::vector<Eigen::MatrixXd> reflect_below;
+    std::vector<Eigen::MatrixXd> up;
+  };
   /// A rough boundary or, one past the layers, a rough base.
   struct Rough {
     std::unique_ptr<RoughSurface> surface;
+    Lobes lobes;
     /// The light of the beam, reflected and transmitted: flux along live nodes, and the part of it that facets scatter
     /// repeatedly.
     std::array<Eigen::VectorXd, 2> spread;
@@ -77,14 +85,6 @@ class LateralStack {
   const Rough* rough(std::size_t layer) const { return rough_[layer].get(); }
 
  private:
-  /// A rough boundary by azimuth orders, over nodes and the target.
-  struct Lobes {
-    std::vector<Eigen::MatrixXd> reflect_above;
-    std::vector<Eigen::MatrixXd> down;
-    std::vector<Eigen::MatrixXd> reflect_below;
-    std::vector<Eigen::MatrixXd> up;
-  };
-
   void add_rough(std::unique_ptr<RoughSurface> surface, std::size_t layer, ThreadPool& pool);
   LateralFunction boundary(std::size_t layer, const LateralRows& rows) const;
   Eigen::MatrixXd base(const LateralRows& rows) const;
@@ -97,8 +97,7 @@ class LateralStack {
   std::optional<DirectionSet> set_;
   std::vector<Directions> directions_;
   std::vector<std::optional<LateralMedium>> media_;
-  std::vector<std::optional<Lobes>> lobes_;  // by layer, the base last
-  std::vector<std::unique_ptr<Rough>> rough_;
+  std::vector<std::unique_ptr<Rough>> rough_;  // by layer, the base last
 };
 
 }  // namespace lamina

@@ -68,8 +68,9 @@ def checked_illuminant(given) -> str | Spectrum:
 @cache
 def rec709_of(wavelengths: tuple[float, ...], illuminant: str | Spectrum = D65) -> np.ndarray:
     """The matrix, shape (3, n), from reflectances at these wavelengths in nm to linear Rec. 709 under an illuminant,
-    with reflectances that are linear between the wavelengths and constant beyond. Each row has the sum 1."""
-    every, rows = rec709_under(illuminant)
+    with reflectances that are linear between the wavelengths and constant beyond. Each row has the sum 1. Raises
+    StackError."""
+    every, rows = rec709_under(checked_illuminant(illuminant))
     order = np.argsort(wavelengths)
     shares = [np.interp(every, np.array(wavelengths)[order], one) for one in np.eye(len(wavelengths))[:, order]]
     return rows @ np.array(shares).T
@@ -80,7 +81,6 @@ def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1,
     """Reflectances, or other factors of light, by wavelength in nm along `axis`, as linear Rec. 709 under an
     illuminant, see Stack. White surfaces are white; colours are not clipped. Raises StackError, ArgumentError."""
     wavelengths, values = check_wavelengths(wavelengths), np.asarray(values)
-    illuminant = checked_illuminant(illuminant)
     if values.ndim == 0 or values.shape[axis] != len(wavelengths):
         raise ArgumentError(f"values has the shape {values.shape}: must have {len(wavelengths)} values along axis "
                             f"{axis}, as many as wavelengths")

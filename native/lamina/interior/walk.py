@@ -140,11 +140,8 @@ class Walker:
         numbers = np.where(image.mask, np.cumsum(image.mask).reshape(image.mask.shape) - 1, -1)
         texels = self._layer.SurfaceTexels(self._solid, np.ascontiguousarray(uvs, float),
                                            numbers.astype(np.int32), points.positions - self._centre, points.normals)
-        sources = [self._layer.PhotonSource(self._solid, self._lamp_in_core(lamp))
-                   for lamp in self.problem.lights.lamps]  # type: ignore[union-attr]  # an image has lamps
-        for source in sources:
-            source.split_along(self._solid, self._grid, self._boundary)
-        return texels, sources
+        return texels, [self._layer.PhotonSource(self._solid, self._lamp_in_core(lamp), self._grid, self._boundary)
+                        for lamp in self.problem.lights.lamps]  # type: ignore[union-attr]  # an image has lamps
 
     def _lamp_in_core(self, lamp: AnyLamp):
         return lamp.in_core(self._layer, self._centre).linked(lamp.linking)

@@ -255,7 +255,7 @@ class MeshWalk::Path {
     draw_direction(sample);
   }
 
-  /// Splits a photon whose weight is larger than it should be here. Its parts wait at the scattering.
+  /// Splits a photon whose weight is at least twice the target of its cell. The other parts start here later.
   void split(const CoefficientGrid::Sample& sample) {
     target_ = windows_->target(place_);
     const double parts = std::min(kMostParts, std::floor(mean_of(weights_) / target_));
@@ -274,7 +274,7 @@ class MeshWalk::Path {
     }
   }
 
-  /// After a scattering.
+  /// Draws the direction after a scattering by the phase function of the leading channel.
   void draw_direction(const CoefficientGrid::Sample& sample) {
     const HenyeyGreenstein first{sample.g_first};
     if (sample.g_first == sample.g_second) {

@@ -52,7 +52,8 @@ double arriving(const LampLight& light, const Ray& normal) {
 
 }  // namespace
 
-PhotonSource::PhotonSource(const Solid& solid, Lamp lamp, const Occluders* occluders)
+PhotonSource::PhotonSource(const MeshWalk& walk, const Solid& solid, Lamp lamp, const Occluders* occluders,
+                           ThreadPool& pool)
     : solid_(solid), lamp_(std::move(lamp)), occluders_(occluders) {
   std::vector<double> fluxes;
   std::vector<double> areas;
@@ -82,6 +83,7 @@ PhotonSource::PhotonSource(const Solid& solid, Lamp lamp, const Occluders* occlu
   if (flux_ == 0.0) {
     flux_ = area;
   }
+  windows_.emplace(walk, solid, *this, pool);
 }
 
 std::optional<MeshWalk::Photon> PhotonSource::photon(Rng& rng, WalkCounts& counts) const {

@@ -13,19 +13,17 @@ namespace lamina {
 
 /// Draws photons of a lamp where they meet a solid from outside, without those that an occluder reflects on their way.
 /// Faces, and patches of large faces, are drawn with probabilities that are about proportional to the flux on them,
-/// without shadows.
+/// without shadows. Photons along the walk are to be split by weight windows.
 class PhotonSource {
  public:
-  PhotonSource(const Solid& solid, Lamp lamp, const Occluders* occluders = nullptr);
+  PhotonSource(const MeshWalk& walk, const Solid& solid, Lamp lamp, const Occluders* occluders, ThreadPool& pool);
 
   /// About the flux on the solid, without shadows. Photons have weights relative to this flux.
   double flux() const { return flux_; }
   /// Nothing for light in shadow.
   std::optional<MeshWalk::Photon> photon(Rng& rng, WalkCounts& counts) const;
 
-  /// Photons are split along a walk from now on.
-  void split_along(const MeshWalk& walk, ThreadPool& pool) { windows_.emplace(walk, solid_, *this, pool); }
-  const WeightWindows* windows() const { return windows_ ? &*windows_ : nullptr; }
+  const WeightWindows& windows() const { return *windows_; }
 
  private:
   /// Part `number` of side * side parts of a face, all of one area.
@@ -40,8 +38,8 @@ class PhotonSource {
   const Occluders* occluders_;
   double flux_ = 0.0;
   std::vector<Patch> patches_;
-  std::vector<double> up_to_;  ///< sums of the patches' probabilities
-  std::optional<WeightWindows> windows_;
+  std::vector<double> up_to_;             ///< sums of the patches' probabilities
+  std::optional<WeightWindows> windows_;  ///< made last, from photons of this source
 };
 
 }  // namespace lamina

@@ -30,7 +30,7 @@ PhotonSums photons_to_texels(const MeshWalk& walk, const PhotonSource& source, c
       Rng rng(samples.seed, samples.first + number);
       for (std::size_t leader = 0; leader < kChannels; ++leader) {
         if (const auto photon = source.photon(rng, piece.counts)) {
-          walk.shine(*photon, leader, rng, tally, piece.counts, source.windows());
+          walk.shine(*photon, leader, rng, tally, piece.counts, &source.windows());
         }
       }
       tally.finish();

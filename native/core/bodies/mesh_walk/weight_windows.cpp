@@ -19,7 +19,7 @@ constexpr double kLeast = 1e-3;                       // least weight
 constexpr int kRuns = 2;                              // of the pilot
 constexpr std::uint64_t kPieces = 16;                 // of a run, whose sums are added in order
 constexpr std::uint64_t kPhotons = 512;               // of a piece
-constexpr std::uint64_t kSeed = 0x6a09e667f3bcc908U;  // no run has this one by default
+constexpr std::uint64_t kSeed = 0x6a09e667f3bcc908U;  // a run with another seed has other random numbers
 
 /// Sums the weights of photons where they scatter.
 class ScatteringTally final : public WalkListener {
@@ -48,17 +48,16 @@ WeightWindows::WeightWindows(const MeshWalk& walk, const Solid& solid, const Pho
     count_[axis] = std::clamp(static_cast<int>(std::ceil((solid.high()[axis] - low_[axis]) / side_)), 1, kCells);
   }
   for (std::uint64_t run = 0; run < kRuns; ++run) {
-    std::vector<double> light = scattered(walk, source, run, pool);
-    const double sum = std::accumulate(light.begin(), light.end(), 0.0);
+    const std::vector<double> found = scattered(walk, source, run, pool);
+    const double sum = std::accumulate(found.begin(), found.end(), 0.0);
     if (!(sum > 0.0)) {
       return;
     }
-    const std::vector<double> kept = light;
-    light = smooth(light);
+    std::vector<double> light = smooth(found);
     // The mean light where photons scatter has the weight 1.
     double usual = 0.0;
     for (std::size_t k = 0; k < light.size(); ++k) {
-      usual += light[k] * kept[k] / sum;
+      usual += light[k] * found[k] / sum;
     }
     fill(light);
     for (double& one : light) {

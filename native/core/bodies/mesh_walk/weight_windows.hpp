@@ -16,11 +16,11 @@ class Solid;
 class ThreadPool;
 
 /// Weight windows for the light in all of a solid (Cooper and Larsen 2001, Nucl. Sci. Eng. 137; van Wijk et al. 2011,
-/// Ann. Nucl. Energy 38). Photons that reach dark parts are split, so that many of small weight arrive there. Few
-/// photons in two pilot runs find how dark each cell of a coarse grid is.
+/// Ann. Nucl. Energy 38). Photons that reach dark parts are split, so that many photons of small weight arrive there.
+/// Two pilot runs of few photons find how dark each cell of a coarse grid is.
 class WeightWindows {
  public:
-  /// For photons of a source along a walk. Random numbers do not depend on those of any other run.
+  /// For photons of a source along a walk.
   WeightWindows(const MeshWalk& walk, const Solid& solid, const PhotonSource& source, ThreadPool& pool);
 
   /// The weight that photons at a position should have, at most 1.

@@ -126,7 +126,7 @@ AdjointSource::AdjointSource(const GradedMedium& medium, const Ray& out) {
   if (medium.is_homogeneous()) {
     // Space the depths evenly in log(1 + depth / kUnit)
     const double step = std::log1p(tau / kUnit) / static_cast<double>(kDepths - 1);
-    constexpr double kMost = 1e30;  // single precision holds no larger numbers, of the thinnest media
+    constexpr double kMost = 1e30;  // the thinnest media need more than single precision holds
     cells_per_log_ = static_cast<float>(std::min(1.0 / step, kMost));
     for (std::size_t j = 0; j + 1 < kDepths; ++j) {
       depths_.push_back(kUnit * std::expm1(step * static_cast<double>(j)));

@@ -292,8 +292,9 @@ class GuidedTransferWalk final : public Walk {
   /// Direction k of the lattice about an axis, turned by an angle of this cosine and sine.
   static Ray lattice_ray(const RayFrame& axis, double cosine, std::size_t k, double turn_cosine, double turn_sine) {
     const double sine = sine_of(cosine);
-    const double along = sine * (turn_cosine * lattice().cosine[k] - turn_sine * lattice().sine[k]);
-    const double aside = sine * (turn_sine * lattice().cosine[k] + turn_cosine * lattice().sine[k]);
+    const AzimuthLattice<kCandidates>& azimuths = lattice();
+    const double along = sine * (turn_cosine * azimuths.cosine[k] - turn_sine * azimuths.sine[k]);
+    const double aside = sine * (turn_sine * azimuths.cosine[k] + turn_cosine * azimuths.sine[k]);
     return axis.tilted(cosine, along, aside);
   }
 
