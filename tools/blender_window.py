@@ -170,7 +170,7 @@ def perform(story):
 
     def step():
         try:
-            bpy.ops.lamina_test.step()
+            bpy.ops.lamina_test.step("EXEC_DEFAULT", True)  # True: operators inside may make undo steps
         except RuntimeError:  # Blender 4.3 refuses operators too after some previews; updates of properties may write
             bpy.context.window_manager.lamina_test_step = True
         return wait

@@ -175,12 +175,11 @@ def places(panel):
 
     for place in ("SETTLED", "PAINTED"):
         with window.on(panel):
-            bpy.ops.lamina.place("INVOKE_DEFAULT", place=place)
+            bpy.ops.lamina.place("INVOKE_DEFAULT", True, place=place)
         yield from until(lambda place=place: now() == place)
         yield from at_rest()
         yield from window.still()
         window.save(OUT / f"{place.lower()}.png", window.picture(panel))
-    push("painted")  # Blender does so after a click, but not after a call
     for place in ("SETTLED", "EVEN"):
         while now() != place:
             with window.on(panel):
@@ -193,19 +192,17 @@ def places(panel):
 def rain(panel):
     """One click puts drops over the cube, another one puddles; undo brings the drops back, and then no layers."""
     with window.on(panel):
-        bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", preset="rain-drops")
+        bpy.ops.lamina.preset_apply("INVOKE_DEFAULT", True, preset="rain-drops")
     material = bpy.context.object.active_material
     chosen = part("nodes.film_wiring").chosen
     yield from until(lambda: chosen(material) == "DROPS")
     yield from at_rest()
-    push("rain")  # Blender does so after a click, but not after a call
     yield from window.still()
     window.save(OUT / "rain.png", window.picture(panel))
     with window.on(panel):
-        bpy.ops.lamina.place("INVOKE_DEFAULT", place="PUDDLES")
+        bpy.ops.lamina.place("INVOKE_DEFAULT", True, place="PUDDLES")
     yield from until(lambda: chosen(bpy.context.object.active_material) == "PUDDLES")
     yield from at_rest()
-    push("puddles")
     while chosen(bpy.context.object.active_material) != "DROPS":
         with window.on(panel):
             bpy.ops.ed.undo()
