@@ -3,6 +3,7 @@
 
 import hashlib
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 from mathutils import Matrix
@@ -98,13 +99,31 @@ def _linked(owners, sources, obj):
 def mark(objects, obj, with_names=False):
     """A text that changes when other objects of the scene change place or size; cheap."""
     found = []
-    for one in objects:
-        if len(found) < MARKED and one != obj and one.type in rendered.SHAPES and one.visible_shadow:
-            numbers = [round(value, 4) for row in one.matrix_world for value in row]
-            size = [round(value, 4) for value in one.dimensions]
-            linked = linking.of(one)
-            name = [one.name] if with_names else []
-            found.append((*name, numbers, size, *([] if linked == linking.ALL else [linked.note()])))
+    for one in _marked(objects, obj):
+        numbers = [round(value, 4) for row in one.matrix_world for value in row]
+        size = [round(value, 4) for value in one.dimensions]
+        linked = linking.of(one)
+        name = [one.name] if with_names else []
+        found.append((*name, numbers, size, *([] if linked == linking.ALL else [linked.note()])))
+    return _digest(found)
+
+
+def looks(objects, obj):
+    """(a text that changes when materials of other objects reflect or emit other light, whether one emits);
+    cheap."""
+    every = [[slot.material for slot in one.material_slots] or [None] for one in _marked(objects, obj)]
+    known = {one: (albedo_of(one), emission_of(one)) for materials in every for one in materials}
+    found = [[f"{value:.3g}" for one in materials for part in known[one] for value in part]
+             for materials in every]
+    return _digest(found), any(any(known[one][1]) for materials in every for one in materials)
+
+
+def _marked(objects, obj):
+    every = (one for one in objects if one != obj and one.type in rendered.SHAPES and one.visible_shadow)
+    return islice(every, MARKED)
+
+
+def _digest(found):
     return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()[:16]
 
 

@@ -15,9 +15,10 @@ from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..kinds import interiors
 from ..nodes import other_materials
-from . import around, body, lamps, seen
+from . import around, body, lamps, lights, seen
 
 STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
+SOME = 128  # vertices whose places are compared
 AGAIN = "compute again"
 
 _OWN = body.Frame(np.eye(3), np.zeros(3), np.ones(3), 1.0)  # for a lamp's own location, rotation and scale
@@ -37,7 +38,9 @@ def note(context, obj, material, node, uv_map, has_image):
     if settings.output == "LIT":
         frame = _frame(obj, context.scene)
         found["lamps"], found["place"] = _lamps(context, obj, frame), _place(frame)
-        found["around"] = around.mark(seen.objects(context.view_layer.layer_collection), obj)
+        shown = list(seen.objects(context.view_layer.layer_collection))
+        found["around"], (found["looks"], found["shines"]) = around.mark(shown, obj), around.looks(shown, obj)
+        found["sky"] = lights.mark(context.scene, found["shines"])
         found["turns"] = has_image
         found["camera"] = _camera(context.scene, frame) if settings.view == "CAMERA" else None
     return json.dumps(found)
@@ -92,6 +95,10 @@ def _stale_light(context, obj, earlier):
     # Earlier versions counted names as well.
     if others and all(around.mark(shown, obj, with_names) != others for with_names in (False, True)):
         return f"Other objects have moved or changed since: {AGAIN}"
+    if "looks" in earlier and around.looks(shown, obj)[0] != earlier["looks"]:
+        return f"Materials of other objects have changed in color or light since: {AGAIN}"
+    if "sky" in earlier and lights.mark(context.scene, earlier["shines"]) != earlier["sky"]:
+        return f"The world has changed since: {AGAIN}"
     camera = _camera(context.scene, frame)
     if earlier["camera"] and camera is not None and not _alike(camera, earlier["camera"]):
         return f"The camera has moved against the object since: {AGAIN}"
@@ -164,18 +171,27 @@ def _place(frame):
 
 
 def _body(obj, scene):
-    """Its size, and the numbers of vertices and faces."""
+    """Its size, the numbers of vertices and faces, and the places of some of the vertices."""
     frame = _frame(obj, scene)
     box = None if frame is None else frame.scale * frame.unit * np.array(obj.bound_box)
     return {
         "box": None if box is None else box.ravel().tolist(),
         "scale": [*obj.scale, scene.unit_settings.scale_length],
         "counts": [len(obj.data.vertices), len(obj.data.polygons)],
+        "vertices": _places_of_some(obj.data.vertices),
     }
+
+
+def _places_of_some(vertices):
+    """Of `SOME` vertices or fewer, evenly among all: a dent moves some of them."""
+    chosen = np.linspace(0, len(vertices) - 1, min(SOME, len(vertices))).astype(int).tolist()
+    return [round(value, 6) for number in chosen for value in vertices[number].co]
 
 
 def _alike_bodies(one, other):
     if one["counts"] != other["counts"]:
+        return False
+    if "vertices" in other and not _alike({"at": one["vertices"]}, {"at": other["vertices"]}):
         return False
     if one["box"] is None or other["box"] is None:
         return bool(np.allclose(one["scale"], other["scale"], rtol=STILL))

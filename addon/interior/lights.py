@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lights an interior: a lamp or the world as a source of light, and the world of a scene as one."""
 
+import hashlib
 import math
 from dataclasses import dataclass, field
 
@@ -87,14 +88,12 @@ def world(scene, frame):
     sky = scene.world
     if sky is None or not _is_seen(sky):
         return DARK
-    if not node_tree.is_on(sky) or sky.node_tree is None:
+    if not _has_nodes(sky):
         return Source(WORLD, 1.0, tuple(sky.color))
-    output = sky.node_tree.get_output_node("CYCLES") or sky.node_tree.get_output_node("ALL")
-    shader = None if output is None else links.source(output.inputs["Surface"])
-    if shader is None:
+    node = _shader(sky)
+    if node is None:
         return DARK
-    node = shader.node
-    if node.type != "BACKGROUND" or node.mute or node.inputs["Strength"].links:
+    if not _has_strength(node):
         # The image holds the strengths of all nodes.
         return Source(WORLD, 1.0, (1.0,) * 3, radiance=world_image.of_scene(scene, frame.axes))
     strength = node.inputs["Strength"].default_value
@@ -102,6 +101,40 @@ def world(scene, frame):
         return Source(WORLD, strength, tuple(node.inputs["Color"].default_value)[:3])
     image = world_image.of_scene(scene, frame.axes, node.name)
     return Source(WORLD, strength, (1.0,) * 3, radiance=image)
+
+
+def mark(scene, shines):
+    """A text that changes with what an image of the world would hold; cheap. `shines`: other objects emit
+    light, so the image holds the strength and the color too, see of_scene."""
+    sky = scene.world
+    if sky is None or not _is_seen(sky):
+        return ""
+    if not _has_nodes(sky):
+        return repr(tuple(sky.color)) if shines else ""
+    node = _shader(sky)
+    if node is None:
+        return ""
+    followed = () if shines or not _has_strength(node) else (node.inputs["Strength"],)
+    if followed and not node.inputs["Color"].links:
+        return ""
+    values = [world_image.values(one, followed) for one in links.upstream(node)]
+    return hashlib.sha256(repr(sorted(values)).encode()).hexdigest()[:16]
+
+
+def _has_nodes(sky):
+    return node_tree.is_on(sky) and sky.node_tree is not None
+
+
+def _shader(sky):
+    """The node of the world's shader, or None."""
+    output = sky.node_tree.get_output_node("CYCLES") or sky.node_tree.get_output_node("ALL")
+    shader = None if output is None else links.source(output.inputs["Surface"])
+    return None if shader is None else shader.node
+
+
+def _has_strength(node):
+    """True for one Background node, whose strength the group of the interior follows."""
+    return node.type == "BACKGROUND" and not node.mute and not node.inputs["Strength"].links
 
 
 def _is_seen(world):

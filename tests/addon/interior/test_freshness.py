@@ -60,6 +60,15 @@ def edited(obj):
     obj.data.update()
 
 
+def dented(obj):
+    """A dent that leaves the box as it is."""
+    low, high = obj.bound_box[0], obj.bound_box[6]
+    inside = [one for one in obj.data.vertices
+              if all(low[k] + 0.1 < one.co[k] < high[k] - 0.1 for k in range(3))]
+    inside[0].co *= 0.8
+    obj.data.update()
+
+
 def subdivided(obj):
     mesh = icosphere("Other", 1.0)
     mesh.materials.append(obj.active_material)
@@ -84,7 +93,7 @@ SETTINGS, SHAPE = "The settings have changed since: compute again", "The object 
     (chosen("roughness", 0.1), SETTINGS), (chosen("resolution", 64), SETTINGS), (chosen("spacing", 3.0), SETTINGS),
     (chosen("direction", (1.0, 0.0, 0.0)), SETTINGS), (chosen("uv_map", "Own"), SETTINGS),
     (chosen("source", "LAYERS"), SETTINGS), (another_end, SETTINGS),
-    (scaled, SHAPE), (edited, SHAPE), (subdivided, SHAPE), (displaced, SHAPE),
+    (scaled, SHAPE), (edited, SHAPE), (dented, SHAPE), (subdivided, SHAPE), (displaced, SHAPE),
     (without_map, "The UV map “Own” is gone: compute again"),
 ])  # fmt: skip
 def test_changes_that_matter(freshness, ball, change, words):
@@ -285,6 +294,95 @@ def test_the_image_of_the_world(freshness, ball):
     note(freshness, ball, has_image=False)
     ball.rotation_euler.z = 1.0
     assert stale(freshness, ball) == ""
+
+
+@pytest.fixture
+def room(lit, addon):
+    """The lit ball above a grey floor and beside a screen that emits, under a world of one color."""
+    for name, place in (("Floor", (1.0, 2.0, 0.0)), ("Screen", (9.0, 2.0, 3.0))):
+        mesh = icosphere(name, 1.0)
+        mesh.materials.append(bpy.data.materials.new(name))
+        linked(name, mesh).location = place
+        addon.nodes.node_tree.of(mesh.materials[0])
+    bpy.context.scene.world = bpy.data.worlds.new("Sky")
+    addon.nodes.node_tree.of(bpy.context.scene.world)
+    return lit
+
+
+def principled_of(name):
+    return bpy.data.materials[name].node_tree.nodes["Principled BSDF"]
+
+
+def recolored(_obj):
+    principled_of("Floor").inputs["Base Color"].default_value = (0.7, 0.1, 0.1, 1.0)
+
+
+def emptied(_obj):
+    bpy.data.objects["Floor"].material_slots[0].material = None
+
+
+def shining(_obj):
+    principled_of("Screen").inputs["Emission Strength"].default_value = 2.0
+
+
+def brighter(_obj):
+    principled_of("Screen").inputs["Emission Strength"].default_value *= 1.5
+
+
+def background():
+    return bpy.context.scene.world.node_tree.nodes["Background"]
+
+
+def brighter_sky(_obj):
+    background().inputs["Strength"].default_value = 3.0
+
+
+def colored_sky(_obj):
+    background().inputs["Color"].default_value = (0.2, 0.3, 0.9, 1.0)
+
+
+def image_sky(_obj):
+    tree = bpy.context.scene.world.node_tree
+    image = tree.nodes.new("ShaderNodeTexEnvironment")
+    tree.links.new(image.outputs["Color"], background().inputs["Color"])
+
+
+def another_image(_obj):
+    nodes = bpy.context.scene.world.node_tree.nodes
+    nodes["Environment Texture"].image = bpy.data.images.new("Dusk", 8, 4)
+
+
+OTHERS, SKY = "Materials of other objects have changed in color or light since", "The world has changed since"
+
+
+@pytest.mark.parametrize(("before", "change", "words"), [
+    ((), recolored, OTHERS), ((recolored,), emptied, OTHERS), ((), shining, OTHERS), ((shining,), brighter, OTHERS),
+    # The group's own inputs follow the strength and the color of a world without an image.
+    ((), brighter_sky, ""), ((), colored_sky, ""), ((image_sky,), brighter_sky, ""),
+    ((shining,), brighter_sky, SKY), ((shining,), colored_sky, SKY),
+    ((), image_sky, SKY), ((image_sky,), another_image, SKY), ((image_sky, shining), brighter_sky, SKY),
+])  # fmt: skip
+def test_materials_of_other_objects_and_the_world(freshness, room, before, change, words):
+    for one in before:
+        one(room)
+    note(freshness, room)
+    assert stale(freshness, room) == ""
+    change(room)
+    assert stale(freshness, room) == (f"{words}: compute again" if words else "")
+
+
+def test_a_note_without_looks(freshness, room):
+    """As of an earlier version."""
+    note(freshness, room)
+    settings = settings_of(room)
+    earlier = json.loads(settings.made_from)
+    for name in ("looks", "shines", "sky"):
+        del earlier[name]
+    del earlier["body"]["vertices"]
+    settings.made_from = json.dumps(earlier)
+    for change in (recolored, shining, image_sky, dented):
+        change(room)
+    assert stale(freshness, room) == ""
 
 
 def test_the_camera(freshness, ball):
