@@ -145,13 +145,13 @@ def state(material, quality=None, basis=None):
     """The state of the material's bake relative to its layers and to a quality and basis, by default the
     chosen ones:
 
-    'none' before the first bake, and without its nodes or its table; 'invalid', the layers cannot be baked;
+    'none' before the first bake, and without its nodes or a table; 'invalid', the layers cannot be baked;
     'stale', the layers have changed since; 'fresh', a bake of these layers at that quality and basis;
     'other', a bake of these layers at another quality or basis, see `difference`; 'older', a bake by a
     version of Lamina whose results for these layers have changed since, see `version_difference`.
     """
     result, group = material.lamina.result, material.lamina.node_group
-    if not result.stack_hash or group is None or not node_group.images_of(group.nodes):
+    if not result.stack_hash or group is None or not node_group.has_tables(group):
         return "none"
     stack, error = stack_check.of(stack_io.to_text(material))
     if error is not None:

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Packed images that hold numbers, which Cycles reads unchanged."""
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 
 made = set()  # session_uid of every image that was made since Blender's start, see undo
+
 
 def create(name, texels):
     """A new float32 image of `texels`, (height, width, 4), bottom row first. It has no user yet."""
@@ -30,3 +33,9 @@ def plain(name, size, value=0.0, float_buffer=False):
     image.pack()
     made.add(image.session_uid)
     return image
+
+
+def is_lost(image):
+    """True if the image is not packed and its file is gone: nodes then read pink."""
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    return image.packed_file is None and image.source == "FILE" and not Path(path).is_file()

@@ -8,10 +8,12 @@ from ..nodes import node_group
 
 
 def state_of(material, quality=None, basis=None):
-    """The state of the material's bake as in bake_job.state; 'broken' if it is fresh, but the node group is
-    not whole."""
-    found = bake_job.state(material, quality, basis)
-    return "broken" if found == "fresh" and not node_group.is_whole(material) else found
+    """The state of the material's bake as in bake_job.state; 'broken' if there is a bake, but its node group
+    is not whole."""
+    found, settings = bake_job.state(material, quality, basis), material.lamina
+    is_partial = found == "fresh" and not node_group.is_whole(material)
+    is_lost = found == "none" and settings.result.stack_hash and settings.node_group is not None
+    return "broken" if is_partial or is_lost else found
 
 
 def state(material, quality=None, basis=None):

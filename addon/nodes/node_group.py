@@ -9,7 +9,7 @@ import json
 
 import bpy
 
-from ..base import image_removal, native, renders
+from ..base import data_image, image_removal, native, renders
 from ..kinds.bases import PrincipledBase
 from ..kinds.table import PRINCIPLED, Strip, strips_of
 from . import (
@@ -153,6 +153,12 @@ def is_whole(material):
         return False
     images = images_of(group.nodes)
     return bool(images) and all(image.packed_file is not None for image in images)
+
+
+def has_tables(group):
+    """True if the group reads tables, and each is packed or has its file."""
+    images = images_of(group.nodes)
+    return bool(images) and not any(map(data_image.is_lost, images))
 
 
 def closures(material):

@@ -100,3 +100,17 @@ def test_a_coarse_update_is_never_up_to_date(addon, lamina, material, told):
     job.show(material, addon.baking.update._follow(material))
     addon.baking.update.leave(material)
     assert told(material) == "Out of date: baked with quality Coarse instead of Preview"
+
+
+def test_a_table_whose_file_is_gone_is_not_up_to_date(addon, lamina, material, told, listed, tmp_path):
+    addon.baking.bake_job.bake_material(material)
+    nodes = material.lamina.node_group.nodes
+    image = next(node.image for node in nodes if node.type == "TEX_IMAGE")
+    image.packed_files[0].filepath = str(tmp_path / "table.exr")
+    image.unpack(method="WRITE_ORIGINAL")
+    assert image.packed_file is None and addon.baking.bake_job.state(material) == "fresh"
+    (tmp_path / "table.exr").unlink()
+    addon.baking.update.leave(material)
+    assert addon.baking.bake_job.state(material) == "none"
+    assert told(material) == "The nodes or the table of the last update are gone"
+    assert listed() == "Bronze: 1 layer, the node group of the last bake is not whole"
