@@ -14,7 +14,7 @@ from ..base import linking
 from ..base.messages import RefusedError
 from ..editing import layer_list
 from ..kinds import interiors
-from ..nodes import other_materials
+from ..nodes import node_values, other_materials
 from . import around, body, lamps, lights, seen
 
 STILL = 1e-3  # relative, and in radians: what changed by less counts as unchanged
@@ -136,7 +136,8 @@ def _settings(material, node):
     fields |= _values(settings, interiors.BODY)
     fields["ends"] = [_values(end, interiors.GROUND) for end in (settings.first, settings.second)]
     if settings.source == "NODES":
-        return fields | {"node": list(node)}
+        texture = material.node_tree.nodes.get(node[0]) if node and material.node_tree is not None else None
+        return fields | {"node": list(node), "texture": "" if texture is None else node_values.mark(texture)}
     return fields | _values(settings, interiors.MARBLE) | {"direction": list(settings.direction)}
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lights an interior: a lamp or the world as a source of light, and the world of a scene as one."""
 
-import hashlib
 import math
 from dataclasses import dataclass, field
 
@@ -10,7 +9,7 @@ import numpy as np
 from ..base import native
 from ..base.linking import ALL, Linking
 from ..base.messages import RefusedError
-from ..nodes import links, node_tree
+from ..nodes import links, node_tree, node_values
 from . import world_image
 
 WORLD = "World"  # name of the world's source
@@ -117,8 +116,7 @@ def mark(scene, shines):
     followed = () if shines or not _has_strength(node) else (node.inputs["Strength"],)
     if followed and not node.inputs["Color"].links:
         return ""
-    values = [world_image.values(one, followed) for one in links.upstream(node)]
-    return hashlib.sha256(repr(sorted(values)).encode()).hexdigest()[:16]
+    return node_values.mark(node, followed)
 
 
 def _has_nodes(sky):

@@ -57,25 +57,6 @@ def of_scene(scene, axes, background=""):
             collection.remove(item)
 
 
-def values(node, skipped):
-    """What a node's light depends on, as text: its type, its settings, its image, and its inputs that have no
-    link and are not in `skipped`. Of ramps and curves nothing."""
-    common = bpy.types.Node.bl_rna.properties.keys()
-    found = [node.bl_idname, node.mute]
-    for one in node.bl_rna.properties:
-        if one.identifier in common or getattr(one, "is_deprecated", False):
-            continue
-        if one.type != "POINTER":
-            found.append(getattr(node, one.identifier))
-        elif isinstance(getattr(node, one.identifier), bpy.types.ID):
-            block = getattr(node, one.identifier)
-            found.append((block.name, getattr(block, "filepath", "")))
-    for socket in node.inputs:
-        if hasattr(socket, "default_value") and not socket.links and socket not in skipped:
-            found.append(socket.default_value)
-    return repr([list(one) if hasattr(one, "__len__") and not isinstance(one, str) else one for one in found])
-
-
 def _depends_on_rays(tree):
     """True if the tree or a group in it has a Light Path node."""
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]

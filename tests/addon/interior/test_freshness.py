@@ -177,6 +177,50 @@ def test_node_texture(freshness, ball):
     assert stale(freshness, ball) == SETTINGS
 
 
+def test_nodes_of_the_texture(freshness, ball, addon):
+    """What they compute matters, not how they are called, where they stand and what else the material has."""
+    tree = addon.nodes.node_tree.of(ball.active_material)
+    ramp, noise = tree.nodes.new("ShaderNodeValToRGB"), tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs[0], ramp.inputs[0])
+    group = tree.nodes.new("ShaderNodeGroup")
+    group.node_tree = bpy.data.node_groups.new("Turn", "ShaderNodeTree")
+    inner = group.node_tree.nodes.new("ShaderNodeMapping")
+    group.node_tree.interface.new_socket("Vector", in_out="OUTPUT", socket_type="NodeSocketVector")
+    tree.links.new(group.outputs[0], noise.inputs["Vector"])
+    settings_of(ball).source = "NODES"
+    settings_of(ball).node, settings_of(ball).socket = ramp.name, "Color"
+
+    def is_stale_after(change):
+        note(freshness, ball, (ramp.name, "Color"))
+        assert stale(freshness, ball) == ""
+        change()
+        return stale(freshness, ball) == SETTINGS
+
+    def scale():
+        noise.inputs["Scale"].default_value = 7.0
+
+    def kind():
+        noise.noise_dimensions = "2D"
+
+    def position():
+        ramp.color_ramp.elements[0].position = 0.3
+
+    def inside():
+        inner.inputs["Location"].default_value[0] = 2.0
+
+    def links():
+        tree.links.new(noise.outputs[1], ramp.inputs[0])
+
+    def names():
+        noise.name, noise.label, noise.location.x = "Clouds", "Clouds", 300.0
+
+    def others():
+        tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.1
+
+    assert all(map(is_stale_after, (scale, kind, position, inside, links)))
+    assert not any(map(is_stale_after, (names, others)))
+
+
 @pytest.fixture
 def lit(ball):
     """The ball with output Lit under the lamps Key and, by an instance of a collection, Far."""
