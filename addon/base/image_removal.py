@@ -18,6 +18,7 @@ INTERVAL = 0.25  # seconds between two looks
 # previews that are due, and draws viewports, which are not among the jobs.
 LOOKS = 40
 UNUSED = " (unused)"  # after the name of an image that will be removed
+LONGEST = 63  # bytes of a name, in Blender before 5.0
 
 _unused = []  # of images that wait: an _Unused each
 
@@ -25,6 +26,7 @@ _unused = []  # of images that wait: an _Unused each
 class _Unused:
     def __init__(self, image):
         self.uid, self.users, self.looks = image.session_uid, image.users, 0
+        self.name = image.name.removesuffix(UNUSED)
         self.stays = False  # undo has given the image to a node again
 
 
@@ -34,7 +36,8 @@ def remove(image):
         bpy.data.images.remove(image)
         return
     _unused.append(_Unused(image))
-    image.name += UNUSED  # leaves the name to another image
+    short = _unused[-1].name.encode()[: LONGEST - len(UNUSED)].decode(errors="ignore")
+    image.name = short + UNUSED  # leaves the name to another image
     timers.start(poll, INTERVAL)
 
 
@@ -63,7 +66,7 @@ def poll():
             continue
         image = with_uid(bpy.data.images, entry.uid)
         if image is not None and entry.stays:
-            image.name = image.name.removesuffix(UNUSED)
+            image.name = entry.name
         elif image is not None and image.users <= entry.users:
             bpy.data.images.remove(image)
         _unused.remove(entry)

@@ -72,6 +72,20 @@ def test_undo_takes_a_used_image_off_the_list(removal, image):
     assert removal.look(1) is None and image.name == "Table"
 
 
+@pytest.mark.parametrize("name", ["Table " + 57 * "x", 21 * "漆"])
+def test_a_long_name(removal, image, name):
+    """Of 63 bytes before Blender 5.0: there is no room behind it."""
+    image.name = name
+    name, texture = image.name, bpy.data.textures.new("User", "IMAGE")
+    removal.module.remove(image)
+    other = bpy.data.images.new(name, 2, 2)
+    assert other.name == name and image.name.endswith(" (unused)")
+    bpy.data.images.remove(other)
+    texture.image = image
+    removal.module._on_undo()
+    assert removal.look(1) is None and image.name == name
+
+
 def test_an_image_that_redo_takes_away_again_is_removed(removal, image):
     texture = bpy.data.textures.new("User", "IMAGE")
     removal.module.remove(image)
