@@ -37,9 +37,10 @@ def _export(arguments: argparse.Namespace) -> int:
     output = Path(arguments.output)
     check_suffix(output, ".npz", ".bsdf")
     check_writable(output)
-    if arguments.wavelengths and output.suffix != ".bsdf":
+    is_bsdf = output.suffix.lower() == ".bsdf"
+    if arguments.wavelengths and not is_bsdf:
         raise ArgumentError("--wavelengths: only a .bsdf file has them")
-    if output.suffix == ".bsdf":
+    if is_bsdf:
         check_wavelengths(arguments.wavelengths, stack.channels)
     start = time.monotonic()
     progress = progress_of(arguments)
@@ -47,12 +48,12 @@ def _export(arguments: argparse.Namespace) -> int:
         progress(0.0, "solving")
     solved = solve(stack, arguments.quality, arguments.threads)
     lost = []
-    if output.suffix == ".npz":
-        save_npz(solved, output, progress=progress)
-    else:
+    if is_bsdf:
         mirrored = save_bsdf(solved, output, wavelengths=arguments.wavelengths, progress=progress)
         lost += [f"mirror reflection (up to {mirrored:.3g} of a beam)"] if mirrored > 0.0 else []
         lost += ["transmission"] if stack.base is None else []
+    else:
+        save_npz(solved, output, progress=progress)
     if progress is not None:
         progress.end()
         print(f"{arguments.stack}: exported in {time.monotonic() - start:.2f} s to {output}")

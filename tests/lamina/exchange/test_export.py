@@ -150,6 +150,13 @@ def test_command_line(folder, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_endings_in_capitals_are_the_same_formats(folder):
+    assert main(["export", "sheet.json", "-o", "SHEET.NPZ", "--quality", "preview", "--quiet"]) == 0
+    assert load_npz("SHEET.NPZ").header["stack_hash"] == SHEET.hash
+    assert main(["export", "sheet.json", "-o", "SHEET.BSDF", "--wavelengths", "630,532,465", "--quiet"]) == 0
+    assert Path("SHEET.BSDF").read_bytes().startswith(b"tensor_file\0\1\0")
+
+
 @pytest.mark.parametrize("arguments, sentence", [
     (["sheet.json", "-o", "out.exr"], "out.exr: must end in .npz or .bsdf"),
     (["sheet.json", "-o", "absent/out.npz"], "absent: not a folder that can be written to"),
