@@ -45,7 +45,10 @@ class Report:
             raise UsageError(f"--manifest {self._manifest}: {error.strerror}") from None
         try:
             if arguments.log is not None:
-                self._log = open(arguments.log, "a", encoding="utf-8", buffering=1)  # noqa: SIM115 - closed at exit
+                # Names of files may hold bytes that are no text.
+                self._log = open(  # noqa: SIM115 - closed at exit
+                    arguments.log, "a", encoding="utf-8", errors="backslashreplace", buffering=1
+                )
         except OSError as error:
             raise UsageError(f"--log {arguments.log}: {error.strerror}") from None
 

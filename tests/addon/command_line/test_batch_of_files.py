@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import socket
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -107,6 +108,19 @@ def test_only_what_is_out_of_date_is_baked(run, addon, files, change, tmp_path, 
         assert run("list")[1] == ["dusty_a: 1 layer, up to date", "dusty_b: 1 layer, up to date"]
     assert run("bake", *more, "--manifest", manifest)[0] == 0
     assert set(statuses(manifest).values()) == {"up to date"}, "the new bake is fresh"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems refuse such names")
+def test_a_file_name_that_is_no_text(files, tmp_path):
+    """The log shows it, and the batch goes on."""
+    odd, log = Path(os.fsdecode(os.fsencode(tmp_path) + b"/odd-\xff.blend")), tmp_path / "out.log"
+    files[0].rename(odd)
+    process = in_another_process("bake", odd, files[1], "--save", "--log", log,
+                                 before="sys.stdout.reconfigure(errors='backslashreplace')")  # fmt: skip
+    with process:  # Blender prints the name's bytes, which are no text
+        assert process.wait(timeout=120) == 0, process.stderr.read()
+    assert baked(odd) == {"dusty_a", "dusty_b"} and baked(files[1]) == {"dusty_a", "wall"}
+    assert "odd-\\udcff.blend: saved" in log.read_text(encoding="utf-8")
 
 
 def test_the_manifest_and_the_log(run, lamina, files, tmp_path):
