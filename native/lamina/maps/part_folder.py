@@ -132,8 +132,13 @@ class PartFolder:
 
     def _kept(self, write: Callable[[], None], done: int) -> None:
         """Write a file. An OSError then says what is kept."""
+        assert self._path is not None
         try:
-            write()
+            try:
+                write()
+            except FileNotFoundError:  # another process has ended the same run, and its folder is removed
+                self._path.mkdir(parents=True, exist_ok=True)
+                write()
         except OSError as error:
             reason = error.strerror or "cannot be written"
             raise OSError(error.errno, f"{reason}; {done} finished parts are kept, and the same call continues after "

@@ -3,6 +3,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -76,6 +77,19 @@ def test_cancelled_run_continues(tmp_path, whole):
                                   cancel=lambda: said and said[-1].startswith("Part 3 of 6"), **HOW)
     assert len(list(tmp_path.glob("part-*.npz"))) == 2
     assert bytes_of(lamina.relightable_images(SOLID, DARK, folder=tmp_path, **HOW)) == bytes_of(whole)
+
+
+def test_another_run_ends_first_and_its_folder_is_removed(tmp_path, whole):
+    """As where two batches compute the same light: the first one to end removes the parts of both."""
+    folder, said = tmp_path / "run", []
+
+    def progress(_, text):
+        said.append(text)
+        if text.startswith("Part 3 of 6") and folder.exists() and len(list(folder.glob("part-*.npz"))) == 2:
+            shutil.rmtree(folder)
+
+    found = lamina.relightable_images(SOLID, DARK, folder=folder, progress=progress, threads=1, **HOW)
+    assert bytes_of(found) == bytes_of(whole) and len(list(folder.glob("part-*.npz"))) == 4
 
 
 def test_damaged_parts_are_computed_again(tmp_path, whole):
