@@ -34,6 +34,7 @@ from . import (
     searchlight_command,
 )
 from .arguments import check
+from .output import begin_line
 
 FAILED, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 COMMANDS = (bake_command, presets_command, export_command, estimate_command, searchlight_command, merge_command,
@@ -86,5 +87,5 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _fail(sentence: str, code: int) -> int:
-    print(f"lamina: {sentence}", file=sys.stderr)
+    print(f"{begin_line()}lamina: {sentence}", file=sys.stderr)
     return code

@@ -31,6 +31,11 @@ def progress_of(arguments: argparse.Namespace) -> Progress | None:
     return None if arguments.quiet else Progress()
 
 
+def begin_line() -> str:
+    """What removes a line of progress from a terminal on standard error."""
+    return "\r\033[K" if sys.stderr.isatty() else ""
+
+
 class Progress:
     """A line of progress on standard error: rewritten on a terminal, otherwise repeated every two seconds."""
 
@@ -43,11 +48,10 @@ class Progress:
     def __call__(self, fraction: float, text: str) -> None:
         now = time.monotonic()
         if self._live:
-            print(f"\r\033[K{fraction:4.0%} {text}", end="", file=sys.stderr, flush=True)
+            print(f"{begin_line()}{fraction:4.0%} {text}", end="", file=sys.stderr, flush=True)
         elif now - self._last >= self.EVERY:
             print(f"{fraction:4.0%} {text}", file=sys.stderr, flush=True)
             self._last = now
 
     def end(self) -> None:
-        if self._live:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
+        print(begin_line(), end="", file=sys.stderr, flush=True)

@@ -205,7 +205,7 @@ def test_interrupting_a_bake(folder, wait_for):
         pass  # Linux reports the closed terminal so.
     os.close(screen)
     assert process.wait(timeout=60) == 130
-    assert b"interrupted; nothing was written" in shown and b"Traceback" not in shown
+    assert b"\r\x1b[Klamina: interrupted; nothing was written" in shown and b"Traceback" not in shown
     assert files(folder) == {"old.npz"} and Path("old.npz").read_bytes() == b"an earlier bake"
 
 
