@@ -51,6 +51,13 @@ def test_bake_and_report(folder):
     assert Path("direct.npz").read_bytes() == Path("out.npz").read_bytes()
 
 
+def test_a_name_that_the_terminal_cannot_show(folder, monkeypatch):
+    Path("m\u00e8tre.json").write_text(json.dumps(GOOD), encoding="utf-8")
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii:strict")
+    done = run("bake", "m\u00e8tre.json", "-o", "out.npz", "--quality", "preview", "--threads", "1")
+    assert done.returncode == 0 and "m\\xe8tre.json: baked in" in done.stdout and Path("out.npz").is_file()
+
+
 def test_version(capsys):
     with pytest.raises(SystemExit) as end:
         main(["--version"])
