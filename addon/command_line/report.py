@@ -56,8 +56,12 @@ class Report:
         return self
 
     def __exit__(self, *_):
-        if self._log is not None:
-            self._log.close()
+        log, self._log = self._log, None
+        try:
+            if log is not None:
+                log.close()
+        except OSError as error:  # of lines that a full disk did not take
+            self.complain(f"--log {log.name}: {error.strerror}")
 
     def line(self, text):
         print(text, flush=True)

@@ -110,6 +110,14 @@ def test_only_what_is_out_of_date_is_baked(run, addon, files, change, tmp_path, 
     assert set(statuses(manifest).values()) == {"up to date"}, "the new bake is fresh"
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device stands for a full disk")
+def test_a_log_on_a_full_disk(run, files):
+    """It is told, and the batch is as successful as without the log."""
+    code, _, err = run("bake", files[0], "dusty_a", "--save", "--log", "/dev/full")
+    assert code == 0 and baked(files[0]) == {"dusty_a"}
+    assert err == "lamina: --log /dev/full: No space left on device\n"
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems refuse such names")
 def test_a_file_name_that_is_no_text(files, tmp_path):
     """The log shows it, and the batch goes on."""
