@@ -102,6 +102,7 @@ class _Batch:
 
     def _look_ahead(self, file):
         """Begin the bakes of a file, so that all processes have work. Problems are told later."""
+        waiting.check()
         try:
             selection.open_file(file)
             plans = self._plans(file)
@@ -114,7 +115,8 @@ class _Batch:
                 self._tables.begin(plan.wanted)
 
     def _file(self, file):
-        """Bake one file, or the open one. Raises UsageError, SaveError, RefusedError."""
+        """Bake one file, or the open one. Raises UsageError, SaveError, RefusedError, KeyboardInterrupt."""
+        waiting.check()
         if file in self._fresh:
             for record in self._fresh[file]:
                 self._told.material(file, record, "up to date")
@@ -159,6 +161,7 @@ class _Batch:
         left = list(plans)
         try:
             while left:
+                waiting.check()
                 self._make_one(file, left[0])
                 left.pop(0)
         except BaseException:

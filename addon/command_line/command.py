@@ -41,8 +41,8 @@ def main(argv):
         return _complain(error, USAGE)
     except (native.NativeMissingError, RefusedError) as error:
         return _complain(error, FAILED)
-    except KeyboardInterrupt:
-        return _complain("interrupted: nothing was saved", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        return _complain(f"interrupted: {stop.args[0] if stop.args else 'nothing was saved'}", INTERRUPTED)
 
 
 def _unread_file():

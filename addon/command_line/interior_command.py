@@ -67,41 +67,50 @@ def _render(objects, arguments):
     """Compute and render frame by frame. As in Blender, pictures that exist stay if the scene does not
     overwrite them, so an interrupted command continues."""
     scene, (first, last) = bpy.context.scene, arguments.frames
-    output = scene.render.filepath
     if first > last:
         raise UsageError(f"--frames {first} {last}: the first frame comes after the last one")
     if arguments.save or arguments.output is not None:
         raise UsageError("--frames saves no images, which differ by frame: leave out --save and --output")
     if scene.render.is_movie_format:
         raise UsageError("--frames: the scene's output is a movie: choose a format of single images")
-    is_complete = True
-    with waiting.Interruptible():
-        for frame in range(first, last + 1, scene.frame_step):
-            path = scene.render.frame_path(frame=frame)
-            if os.path.exists(path) and not scene.render.use_overwrite:
-                continue
-            scene.frame_set(frame)
-            if scene.camera is None:
-                raise messages.RefusedError(f"frame {frame} cannot be rendered: the scene has no camera")
-            if not _computed(objects, arguments):
-                is_complete = False
-                continue
-            scene.render.filepath = path
-            try:
-                bpy.ops.render.render(write_still=True)
-            except RuntimeError as error:
-                told = messages.reported(error)
-                raise messages.RefusedError(f"frame {frame} cannot be rendered: {told}") from None
-            finally:
-                scene.render.filepath = output
-            print(f"frame {frame}: {path}", flush=True)
+    is_complete, count = True, 0
+    try:
+        with waiting.Interruptible():
+            for frame in range(first, last + 1, scene.frame_step):
+                path = scene.render.frame_path(frame=frame)
+                if os.path.exists(path) and not scene.render.use_overwrite:
+                    continue
+                scene.frame_set(frame)
+                if scene.camera is None:
+                    raise messages.RefusedError(f"frame {frame} cannot be rendered: the scene has no camera")
+                if not _computed(objects, arguments):
+                    is_complete = False
+                    continue
+                _render_frame(scene, frame, path)
+                count += 1
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"frames rendered: {count}") from None
     return OK if is_complete else FAILED
+
+
+def _render_frame(scene, frame, path):
+    """Render the current frame to a file, and print one line. Raises RefusedError."""
+    output, scene.render.filepath = scene.render.filepath, path
+    try:
+        bpy.ops.render.render(write_still=True)
+    except RuntimeError as error:
+        told = messages.reported(error)
+        raise messages.RefusedError(f"frame {frame} cannot be rendered: {told}") from None
+    finally:
+        scene.render.filepath = output
+    print(f"frame {frame}: {path}", flush=True)
 
 
 def _computed(objects, arguments):
     """Compute the objects' light, and print one line for each. False if one failed."""
     failed = False
     for obj in objects:
+        waiting.check()
         try:
             print(f"{obj.name}: {_compute(obj, arguments)}", flush=True)
         except native.require().Cancelled:

@@ -20,6 +20,7 @@ def saved(arguments):
         if saving is not None:
             saving.check_space(0)
         yield
+        waiting.check()
         if saving is not None:
             saving.save()
         else:

@@ -10,12 +10,15 @@ import time
 WIDTH = 66  # of the line of progress
 SELDOM = 30.0  # seconds between lines where there is no terminal
 
+_pressed = []  # Ctrl-C since the start of an Interruptible
+
 
 def for_job(job):
     """Wait for a base.worker.Worker. On Ctrl-C, the work is cancelled, and KeyboardInterrupt raised."""
     told = time.monotonic()
     try:
         while not job.done:
+            check()
             job.wait(0.1)
             _show(f"{job.fraction:4.0%} {job.text}")
             if not sys.stderr.isatty() and time.monotonic() - told > SELDOM:
@@ -33,6 +36,7 @@ def for_future(future, text):
     """The result of a concurrent.futures.Future. Raises its exception, or KeyboardInterrupt on Ctrl-C."""
     try:
         while True:
+            check()
             try:
                 return future.result(timeout=0.1)
             except concurrent.futures.TimeoutError:
@@ -49,15 +53,23 @@ def _show(text):
         print(f"\r{line}" if text else f"\r{line}\r", end="", file=sys.stderr, flush=True)
 
 
+def check():
+    """Raises KeyboardInterrupt if Ctrl-C was pressed in an Interruptible."""
+    if _pressed:
+        raise KeyboardInterrupt
+
+
 class Interruptible:
-    """Ctrl-C raises KeyboardInterrupt in here; Blender itself does not pass it on to Python."""
+    """Ctrl-C is noted in here, and `check` raises KeyboardInterrupt. Blender itself does not pass it on to
+    Python, and it drops what is raised in Python code that it calls, such as a render engine."""
 
     def __enter__(self):
         self._before = None
         self._main = threading.current_thread() is threading.main_thread()
         if self._main:
-            self._before = signal.signal(signal.SIGINT, signal.default_int_handler)
+            self._before = signal.signal(signal.SIGINT, lambda *_: _pressed.append(True))
 
     def __exit__(self, *_):
         if self._main and self._before is not None:
             signal.signal(signal.SIGINT, self._before)
+        _pressed.clear()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`--command lamina interior ...`: images, settings, parts after an interruption, and exit codes."""
 
+import signal
 from functools import partial
 
 import bpy
@@ -155,6 +156,28 @@ def test_frames_with_a_moving_lamp_and_a_bending_body(run, ball, tmp_path):
     code, lines, _ = run("Ball", "--kind", "lit", "--size", 12, "--frames", 1, 4)
     rendered = [line for line in lines if line.startswith("frame ")]
     assert code == 0 and rendered == [f"frame 1: {tmp_path / 'turn_01.png'}"]
+
+
+def test_control_c_in_a_render(run, ball, tmp_path):
+    """Blender drops what is raised in Python code that it calls: the frame ends, and no further one begins."""
+    scene = bpy.context.scene
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+    render = scene.render
+    render.engine, render.resolution_x, render.resolution_y, scene.cycles.samples = "CYCLES", 4, 4, 1
+    render.filepath = str(tmp_path / "turn_##")
+
+    def press(*_):  # in the frame's render alone: before it, textures are rendered
+        if render.filepath.endswith("turn_01.png"):
+            signal.raise_signal(signal.SIGINT)
+
+    bpy.app.handlers.render_pre.append(press)
+    try:
+        code, lines, err = run("Ball", "--size", 12, "--frames", 1, 3)
+    finally:
+        bpy.app.handlers.render_pre.remove(press)
+    assert code == 130 and err == "lamina: interrupted: frames rendered: 1\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["turn_01.png"] and lines[-1].startswith("frame 1: ")
 
 
 def test_frames_that_cannot_be_rendered(run, ball, tmp_path):
