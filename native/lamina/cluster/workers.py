@@ -41,6 +41,8 @@ class Workers(Executor):
         if not isinstance(client, distributed.Client) or client.asynchronous:
             raise ArgumentError(f"client = {quoted(client)}: must be a synchronous distributed.Client, or an executor "
                                 "of concurrent.futures")
+        if client.status == "closed":
+            raise ArgumentError(f"client = {quoted(client)}: is closed, or has lost its scheduler")
         self._client, self._executor = client, client.get_executor(pure=False)
         self._sent: tuple[Callable, Any] | None = None
 

@@ -100,6 +100,10 @@ def test_cancel_and_errors(client):
         distributed.estimate(client, SLAB, 0.5, 0.6, parts=0)
     with pytest.raises(ArgumentError, match="stacks = 'gold': must be a list"):
         distributed.bakes(client, "gold")
+    with type(client)(client.cluster) as closed:
+        pass
+    with pytest.raises(ArgumentError, match="client = .*: is closed, or has lost its scheduler"):
+        distributed.estimate(closed, SLAB, 0.5, 0.6)
 
 
 def test_without_dask_one_sentence(monkeypatch):
