@@ -29,6 +29,8 @@ KINDS: dict[str, tuple[type[Measurement], dict, tuple[str, ...]]] = {
     "transmitted_per_mm2": (Profile, {"path": "transmit"}, ("r",)),
 }
 ERRORS = ("sigma", "relative")
+# Channels with these names have this sequence; others that of their columns.
+SEQUENCE = ("red", "r", "green", "g", "blue", "b")
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ def _measurement(path, kind: str, columns: dict[int, Column], places: dict[str, 
             names = " or ".join(name for name, (argument, _) in PLACES.items() if argument == place)
             raise MeasurementError(f"{path}: a column of {kind} needs a column {names}")
     own = [at for at, column in columns.items() if column.kind == kind and not column.error]
+    if all(columns[at].channel in SEQUENCE for at in own):
+        own.sort(key=lambda at: SEQUENCE.index(columns[at].channel))
     given = dict(common)
     for error in ERRORS:
         found = [_errors(columns, rows, error, kind, columns[at].channel) for at in own]

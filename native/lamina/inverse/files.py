@@ -28,9 +28,10 @@ def load(path: str | os.PathLike, count: int = 300, grazing: float = 75.0, wavel
     `.csv`: a line of names, then lines of numbers; lines that begin with # are comments. Places: `mu_o` or
     `theta_o_deg` or `theta_o_rad`, the same of `mu_i`, `dphi_deg` or `dphi_rad` (0 where light keeps its azimuth),
     `r_mm`. Values: `brdf`, `btdf` (1/sr), `reflectance`, `transmittance` (0 to 1; diffuse light without a column of an
-    angle), `reflected_per_mm2`, `transmitted_per_mm2`; one column per channel: `brdf_red`, `brdf_green`. Standard
-    errors: `sigma`, `relative` for all values of a line, `sigma_brdf` for those of a kind, `sigma_brdf_red` for one
-    column. Each kind of values becomes one measurement.
+    angle), `reflected_per_mm2`, `transmitted_per_mm2`; one column per channel: `brdf_red`, `brdf_green`. Red, green and
+    blue, or r, g and b, are taken in this sequence, channels of other names in that of the columns. Standard errors:
+    `sigma`, `relative` for all values of a line, `sigma_brdf` for those of a kind, `sigma_brdf_red` for one column.
+    Each kind of values becomes one measurement.
 
     `sigma`, `relative` and `changes`: see lamina.measurements.Measurement; columns of a CSV file come first. Raises
     MeasurementError for a file that cannot be read, ArgumentError and OSError."""

@@ -151,6 +151,17 @@ theta_i_deg, theta_o_deg, dphi_deg, brdf_r, brdf_g, sigma_brdf_r, sigma_brdf_g, 
     assert angle.mu_i == pytest.approx(np.cos([0.5, 1.0]))
 
 
+@pytest.mark.parametrize(("names", "values"), [
+    (("blue", "red", "green"), [2.0, 3.0, 1.0]), (("g", "b", "r"), [3.0, 1.0, 2.0]), (("b", "r"), [2.0, 1.0]),
+    (("red", "g"), [1.0, 2.0]), (("650nm", "550nm", "450nm"), [1.0, 2.0, 3.0])])
+def test_the_sequence_of_channels_in_csv(tmp_path, names, values):
+    columns = ",".join(f"brdf_{name}" for name in names), ",".join(f"sigma_brdf_{name}" for name in names)
+    numbers = [str(number + 1) for number in range(len(names))]
+    text = f"mu_o,mu_i,dphi_deg,{','.join(columns)}\n1,1,0,{','.join([*numbers, *numbers])}\n"
+    (found,) = load(written(tmp_path, text))
+    assert found.values.tolist() == found.sigma.tolist() == [values]
+
+
 @pytest.mark.parametrize(("text", "message"), [
     ("", "must have a line with the names of columns"),
     ("brdf\n", "must have a line with the names of columns"),
