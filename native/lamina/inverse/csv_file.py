@@ -46,7 +46,13 @@ def read_csv(path: str | os.PathLike, **common) -> list[Measurement]:
     """One measurement for each kind of value in the file; `common`: arguments of all of them. Raises MeasurementError,
     ArgumentError and OSError."""
     header, rows = _table(path)
-    places = {PLACES[name][0]: _place(path, name, rows[:, at]) for at, name in enumerate(header) if name in PLACES}
+    places: dict[str, np.ndarray] = {}
+    for at, name in enumerate(header):
+        if name in PLACES:
+            argument = PLACES[name][0]
+            if argument in places:
+                raise MeasurementError(f"{path}: {name}: an earlier column gives the same, in another unit")
+            places[argument] = _place(path, name, rows[:, at])
     columns = {at: _column(path, name) for at, name in enumerate(header) if name not in PLACES}
     kinds = list(dict.fromkeys(column.kind for column in columns.values() if column.kind))
     if not kinds:
@@ -110,7 +116,10 @@ def _table(path) -> tuple[list[str], np.ndarray]:
              if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 2:
         raise MeasurementError(f"{path}: must have a line with the names of columns, and lines of numbers")
-    (_, header), *data = [(number, [cell.strip() for cell in next(csv.reader([line]))]) for number, line in lines]
+    try:
+        (_, header), *data = [(number, [cell.strip() for cell in next(csv.reader([line]))]) for number, line in lines]
+    except csv.Error as error:
+        raise MeasurementError(f"{path}: must be a text of comma-separated values: {error}") from None
     twice = [name for name in header if header.count(name) > 1]
     if twice:
         raise MeasurementError(f"{path}: two columns are called {quoted(twice[0])}")

@@ -182,6 +182,8 @@ def test_the_sequence_of_channels_in_csv(tmp_path, names, values):
     ("theta_i_deg,theta_o_deg,dphi_rad,brdf\n10,10,90,.1\n", r"dphi_rad = 90: .* are these degrees\?"),
     ("reflectance\n.1\n.2\n", "2 lines of reflectance without an angle"),
     ("mu_i,reflectance_a,reflectance_b,sigma_reflectance_a\n1,.1,.2,.01\n", "only some columns of reflectance have"),
+    ("mu_i,theta_i_deg,reflectance\n.5,10,.1\n", "theta_i_deg: an earlier column gives the same, in another unit"),
+    ("mu_i,reflectance\n" + 200_000 * "1" + ",.1\n", "text of comma-separated values: field larger than field limit"),
     ("r_mm,mu_i,reflected_per_mm2\n1,1,.1\n2,.5,.1\n", "the angle of the beam differs between lines"),
 ])
 def test_bad_csv_gets_one_sentence(tmp_path, text, message):
