@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 import bisect
+import functools
+import math
+import numbers
 import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 
-from .errors import StackError
+from .errors import StackError, quoted
 from .fields import Field, Option, check_keys, check_table
-from .hashable import Hashable
+from .hashable import Hashable, as_tuples
 from .panel import Item
 
 WAVELENGTH = Field("wavelengths", 100.0, 1e5, "nm")
@@ -51,25 +54,49 @@ class Spectrum(Hashable):
     wavelengths: Sequence[float]
     values: Sequence[complex]
 
+    __array_ufunc__ = None  # an array times a spectrum is no array of spectra
+
     def at(self, wavelength: float):
-        """The value at a wavelength in nm."""
-        place = bisect.bisect_left(self.wavelengths, wavelength)
-        if place in (0, len(self.wavelengths)):
-            return self.values[min(place, len(self.values) - 1)]
-        low, high = self.wavelengths[place - 1:place + 1]
+        """The value at a wavelength in nm. Raises StackError."""
+        wavelengths, values = self._knots
+        if not isinstance(wavelength, numbers.Real) or math.isnan(wavelength):
+            raise StackError(f"wavelength = {quoted(wavelength)}: must be one number, in nm")
+        place = bisect.bisect_left(wavelengths, wavelength)
+        if place in (0, len(wavelengths)):
+            return values[min(place, len(values) - 1)]
+        low, high = wavelengths[place - 1:place + 1]
         share = (wavelength - low) / (high - low)
-        return self.values[place - 1] * (1.0 - share) + self.values[place] * share
+        return values[place - 1] * (1.0 - share) + values[place] * share
 
     def __mul__(self, factor: float) -> Spectrum:
-        """All values times a number."""
-        return replace(self, values=tuple(value * factor for value in self.values))
+        """All values times a number. Raises StackError."""
+        wavelengths, values = self._knots
+        factor = as_tuples(factor)  # an array of one number, without axes, is that number
+        if not isinstance(factor, numbers.Complex):
+            raise StackError(f"factor = {quoted(factor)}: a spectrum can be multiplied by one number only")
+        return Spectrum(wavelengths, tuple(value * factor for value in values))
 
     __rmul__ = __mul__
 
     def __add__(self, other: Spectrum) -> Spectrum:
-        """The sum of two spectra, at the wavelengths of both."""
-        wavelengths = tuple(sorted({*self.wavelengths, *other.wavelengths}))
+        """The sum of two spectra, at the wavelengths of both. Raises StackError."""
+        if not isinstance(other, Spectrum):
+            raise StackError(f"summand = {quoted(other)}: only a Spectrum can be added to a spectrum")
+        wavelengths = tuple(sorted({*self._knots[0], *other._knots[0]}))
         return Spectrum(wavelengths, tuple(self.at(one) + other.at(one) for one in wavelengths))
+
+    @functools.cached_property
+    def _knots(self) -> tuple[Sequence[float], Sequence[complex]]:
+        """(wavelengths, values) as given. Raises StackError unless there is one number, real or complex, at each of
+        ascending wavelengths."""
+        nm, values = self.wavelengths, self.values
+        lists = isinstance(nm, tuple) and isinstance(values, tuple) and len(nm) == len(values) > 0
+        if not lists or not all(isinstance(one, numbers.Real) for one in nm) or \
+                not all(isinstance(one, numbers.Complex) for one in values) or \
+                not all(a < b for a, b in zip(nm, nm[1:], strict=False)):
+            raise StackError(f"wavelengths = {quoted(nm)}, values = {quoted(values)}: must be ascending wavelengths, "
+                             "and a number for each")
+        return nm, values
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Spectrum:

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from ..common.arguments import check_field
 from ..common.errors import unknown
+from ..kinds.media import AMOUNT
 from ..kinds.pigments import PIGMENT
 from ..kinds.spectra import Spectrum
 from .spectrum_files import comment, read_spectra
@@ -15,9 +17,10 @@ def names() -> list[str]:
 
 
 def absorption(name: str, amount: float = 1.0) -> Spectrum:
-    """sigma_a in 1/mm of an amount of a pigment, 380 or 400 to 780 nm; amount_of tells what amount 1 is. Spectra add
-    up: absorption("melanin", .3) + absorption("oxyhemoglobin", .05). Raises UnknownName, a KeyError and StackError."""
-    return read_spectra("pigment_spectra", _checked(name))[0] * amount
+    """sigma_a in 1/mm of an amount of a pigment, in [0, 1e9], 380 or 400 to 780 nm; amount_of tells what amount 1 is.
+    Spectra add up: absorption("melanin", .3) + absorption("oxyhemoglobin", .05). Raises ArgumentError, and
+    UnknownName, a KeyError and StackError."""
+    return read_spectra("pigment_spectra", _checked(name))[0] * check_field(amount, AMOUNT)
 
 
 def amount_of(name: str) -> str:

@@ -44,6 +44,12 @@ def test_spectra_add_up():
     assert (Spectrum([400, 500], [1, 3]) + Spectrum([450], [1])).at(450.0) == 3.0
 
 
+@pytest.mark.parametrize("amount", [-1.0, np.nan, "x", None, [1.0, 2.0], 1j, True, 10**400])
+def test_amounts_that_cannot_be(amount):
+    with pytest.raises(lamina.ArgumentError, match="^amount = "):
+        pigments.absorption("melanin", amount)
+
+
 def test_a_pigment_is_the_spectrum_of_its_amount():
     sigma_a = pigments.absorption("oxyhemoglobin", 0.02)
     same = Medium(sigma_s=2.0, sigma_a=sigma_a, thickness=0.5, phase=HenyeyGreenstein(0.8))

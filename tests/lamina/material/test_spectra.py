@@ -142,6 +142,29 @@ def test_errors_are_sentences(made, words):
         made()
 
 
+@pytest.mark.parametrize(("made", "words"), [
+    (lambda: RAMP.at([500.0]), "wavelength = \\[500.0\\]: must be one number, in nm"),
+    (lambda: RAMP.at(np.nan), "wavelength = nan: must be one number"),
+    (lambda: Spectrum([400, 500, 600], [1, 2]).at(550.0), "must be ascending wavelengths, and a number for each"),
+    (lambda: Spectrum([600, 400], [1, 2]).at(550.0), "must be ascending wavelengths"),
+    (lambda: Spectrum(5, 7).at(550.0), "wavelengths = 5, values = 7: must be ascending"),
+    (lambda: Spectrum([400, 500], ["1", "2"]) + RAMP, "must be ascending wavelengths, and a number for each"),
+    (lambda: RAMP * np.array([1.0, 2.0]), "factor = \\[1.0, 2.0\\]: a spectrum can be multiplied by one number only"),
+    (lambda: np.array([1.0, 2.0]) * RAMP, "factor = \\[1.0, 2.0\\]"),
+    (lambda: RAMP * "2", "factor = '2'"),
+    (lambda: RAMP + 1.0, "summand = 1.0: only a Spectrum can be added"),
+])
+def test_sums_and_values_of_what_is_no_spectrum(made, words):
+    with pytest.raises(StackError, match=words):
+        made()
+
+
+def test_a_factor_may_be_any_one_number():
+    for double in (2.0 * RAMP, np.float64(2.0) * RAMP, RAMP * np.array(2.0)):
+        assert double.values == (0.2, 0.8)
+    assert (Spectrum([400, 500], [1.0 + 2.0j, 3.0]) * 2).at(400.0) == 2.0 + 4.0j
+
+
 def test_files(tmp_path):
     path = tmp_path / "dye.csv"
     path.write_text("# a dye\nnm,absorption\n400,1.5\n500, 2\n", encoding="utf-8")
