@@ -16,10 +16,10 @@ from ..common.kept import kept
 from ..common.parts import each_part, share_of
 from ..common.progress import Progress, silent, stepper
 from ..kinds.dust import Settling
-from ..settling.mesh import Mesh, checked_mesh
+from ..settling.mesh import Mesh, checked_meshes
 from ..settling.parts import PartedDust
 from ..settling.rays import Rays
-from ..settling.settle import Dust
+from ..settling.settle import Dust, settings_of
 from .workers import shards, spread
 
 
@@ -34,11 +34,11 @@ def settle_each(client, surfaces: Sequence[Mesh], occluders: Iterable[Mesh] = ()
     executor = spread(client)
     if not isinstance(surfaces, Sequence):
         raise ArgumentError(f"surfaces = {quoted(surfaces)}: must be a list of meshes")
-    settings = Settling() if settings is None else settings
+    settings = settings_of(settings)
     check_seed(seed)
     step = stepper("the dust", progress, cancel)
-    meshes = [checked_mesh(mesh, f"surfaces[{number}]") for number, mesh in enumerate(surfaces)]
-    further = [checked_mesh(mesh, f"occluders[{number}]") for number, mesh in enumerate(occluders)]
+    meshes = checked_meshes(surfaces, "surfaces")
+    further = checked_meshes(occluders, "occluders")
     works = []
     for number, mesh in enumerate(meshes):
         step(0.0, f"reading mesh {number + 1} of {len(meshes)}")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import DustError
+from ..common.errors import DustError, quoted
 from .settle import Dust
 from .statistics import Statistics
 
@@ -25,6 +25,8 @@ def accumulate(moments: Sequence[Dust]) -> Dust:
     The statistics are sums too, except: `maximum` and `covered` are those of the sum, `covered` as a share of the
     points, and `fell_stderr` is that of independent estimates. `settings` and `seed` are those of the first moment.
     Raises DustError for no moments, and for moments whose points differ."""
+    if not isinstance(moments, Sequence) or not all(isinstance(dust, Dust) for dust in moments):
+        raise DustError(f"moments = {quoted(moments)}: must be a list of what lamina.dust.settle returned")
     if not moments:
         raise DustError("moments is empty: must hold the dust of at least one moment")
     first = moments[0]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,6 +103,13 @@ def checked_mesh(mesh: Mesh, name: str) -> Mesh:
         normals = normals.reshape(-1, 3, 3) if by_corner else normals
     triangles = np.ascontiguousarray(triangles, dtype=np.uint32)
     return Mesh(vertices, triangles, normals, float(mesh.sharp_angle), name)
+
+
+def checked_meshes(meshes: Iterable[Mesh], name: str) -> list[Mesh]:
+    """Each mesh of a list, see checked_mesh. Raises DustError."""
+    if not isinstance(meshes, Iterable):
+        raise DustError(f"{name} = {type(meshes).__name__}: must be a list of lamina.dust.Mesh")
+    return [checked_mesh(mesh, f"{name}[{index}]") for index, mesh in enumerate(meshes)]
 
 
 def check_points(points, name: str = "points") -> Points:

@@ -15,13 +15,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..common.arguments import check_seed, check_threads
+from ..common.arguments import check_kind, check_seed, check_threads, check_whole
 from ..common.progress import Progress, portion, stepper
 from ..kinds.dust import Settling
+from ..kinds.limits import MOST_TEXELS
 from ..kinds.substances import extinction_of
 from . import embree
 from .corners import corners_of, moved_off_edges
-from .mesh import Corners, Mesh, Points, check_points, checked_mesh, vertex_points
+from .mesh import Corners, Mesh, Points, check_points, checked_mesh, checked_meshes, vertex_points
 from .rays import OFFSET, Rays
 from .sky import Laid, Sky
 from .statistics import Statistics, Sums
@@ -91,6 +92,7 @@ def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[in
 
     Raises the errors of these functions, and DustError if no texel lies on the surface. The notes of the statistics
     mention parts of the surface that the UV map leaves out."""
+    check_whole(margin, "margin", 0, MOST_TEXELS)
     run = _Run(surface, occluders, settings, seed, progress, cancel, threads)
     texels = TexelMap(run.surface, uvs_per_corner, size)
     images = [np.zeros((texels.height, texels.width), np.float32) for _ in range(3 if run.settings.two_sided else 2)]
@@ -112,6 +114,11 @@ def settle_image(surface: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[in
     tau, arrived = spread(images[0], mask, margin), images[1]
     back = spread(images[2], mask, margin) if run.settings.two_sided else None
     return Dust(tau, arrived, run.statistics(texels.notes()), run.settings, seed, back)
+
+
+def settings_of(given: Settling | None) -> Settling:
+    """The settings, by default the usual ones. Raises ArgumentError."""
+    return Settling() if given is None else check_kind(given, "settings", Settling, "a lamina.dust.Settling or None")
 
 
 def vertices_of(sky: Sky, step: Progress) -> tuple[Corners, Points]:
@@ -148,14 +155,14 @@ class _Run:
 
     def __init__(self, surface, occluders, settings, seed, progress, cancel, threads):
         self._started = clock.perf_counter()
-        self.settings = Settling() if settings is None else settings
+        self.settings = settings_of(settings)
         check_seed(seed)
         check_threads(threads)
         embree.layer()
         self.step = stepper("the settling of dust", progress, cancel)
         self.step(0.0, "reading the meshes")
         self.surface = checked_mesh(surface, "surface")
-        others = [checked_mesh(mesh, f"occluders[{index}]") for index, mesh in enumerate(occluders)]
+        others = checked_meshes(occluders, "occluders")
         self.sky = Sky(self.surface, others, self.settings, seed)
         self._rays = Rays(self.sky.place, threads, portion(self.step, 0.05, 0.2))
         self._traced = 0

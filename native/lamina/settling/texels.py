@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..common.arguments import check_whole
 from ..common.errors import DustError, quoted
 from ..kinds.limits import MOST_TEXELS
 from . import embree
@@ -123,7 +124,9 @@ class TexelMap:
 
 def dilate(values: np.ndarray, mask: np.ndarray, margin: int = 4) -> np.ndarray:
     """(height, width) float32: `values`, one per texel of the mask, extended over `margin` texels around it. Each new
-    texel is the mean of its filled neighbours, so filtered lookups at seams find dust; 0 beyond. Raises DustError."""
+    texel is the mean of its filled neighbours, so filtered lookups at seams find dust; 0 beyond. Raises DustError,
+    ArgumentError."""
+    check_whole(margin, "margin", 0, MOST_TEXELS)
     mask = np.asarray(mask, bool)
     values = np.asarray(values, np.float32)
     if mask.ndim != 2 or values.shape != (int(mask.sum()),):
