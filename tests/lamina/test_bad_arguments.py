@@ -269,3 +269,16 @@ def test_long_words_of_a_command_line_are_cut_short(capsys):
     with pytest.raises(SystemExit) as caught:
         main(["bake", "slab.json", "-o", "x.npz", "--quality", "x" * 10000])
     assert caught.value.code == 2 and len(capsys.readouterr().err) < 400
+
+
+LOADS = {"stack": Stack.load, "table": lamina.Lut.load, "spectrum": lamina.Spectrum.load, "part": load_part,
+         "interior": lamina.Interior.load, "walks": lamina.WalkPart.load, "marble": lamina.Marble.load,
+         "function": lamina.export.load_npz, "measurements": lamina.measurements.load,
+         "base": lamina.measurements.load_base, "mesh": lamina.ply.load}
+
+
+@pytest.mark.parametrize("name", LOADS)
+@pytest.mark.parametrize("path", [None, 3, [], {"a": 1}, math.nan])
+def test_what_is_no_path_is_refused_by_all_that_load(name, path):
+    with pytest.raises(ValueError, match="^path = .*: must be a string or a Path$"):
+        LOADS[name](path)

@@ -9,12 +9,12 @@ import os
 import tokenize
 import zipfile
 import zlib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from . import json_file
+from .arguments import check_path
 from .atomic import write_atomically
 from .errors import clipped
 
@@ -44,7 +44,7 @@ def _write(file, arrays: dict[str, np.ndarray]) -> None:
 
 def load_archive(path, *names: str) -> tuple[Any, list[np.ndarray]]:
     """(header, arrays by these names) of an .npz file. Raises Damaged, and OSError when it cannot be opened."""
-    with Path(path).open("rb") as file:
+    with check_path(path).open("rb") as file:
         if file.read(2) != b"PK":  # zipfile would skip bytes before the archive
             raise Damaged("no .npz archive")
         try:

@@ -6,7 +6,9 @@ from __future__ import annotations
 import math
 import numbers
 import operator
+import os
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -66,6 +68,17 @@ def check_callable(value, name: str) -> None:
     """Raises ArgumentError unless `value` can be called or is None."""
     if value is not None and not callable(value):
         raise ArgumentError(f"{name} = {quoted(value)}: must be a function or None")
+
+
+def check_path(path) -> Path:
+    """The path of a file. Raises ArgumentError unless it is a text or a path that can name one."""
+    try:
+        text = os.fsdecode(path)
+    except TypeError:
+        raise ArgumentError(f"path = {quoted(path)}: must be a string or a Path") from None
+    if not text or "\0" in text:
+        raise ArgumentError(f"path = {quoted(text)}: must name a file")
+    return Path(text)
 
 
 def check_threads(threads: int) -> int:

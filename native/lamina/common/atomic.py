@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
-from .errors import ArgumentError, quoted
+from .arguments import check_path
 
 FORGOTTEN = 3600.0  # seconds since the last write after which the process that wrote a temporary file is taken for dead
 
@@ -46,14 +46,7 @@ def remove_forgotten(folder: Path, pattern: str) -> None:
 
 def _target(path: str | os.PathLike) -> Path:
     """The file that `path` names, with symbolic links followed. Raises ArgumentError."""
-    try:
-        text = os.fspath(path)
-    except TypeError:
-        raise ArgumentError(f"path = {quoted(path)}: must be a string or a Path") from None
-    text = os.fsdecode(text)
-    if not text or "\0" in text:
-        raise ArgumentError(f"path = {quoted(text)}: must name a file")
-    return Path(os.path.realpath(text))
+    return Path(os.path.realpath(check_path(path)))
 
 
 def _refuse_special(target: Path) -> None:

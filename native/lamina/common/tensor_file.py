@@ -6,10 +6,11 @@ from __future__ import annotations
 import math
 import os
 import struct
-from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+
+from .arguments import check_path
 
 _MAGIC = b"tensor_file\0"
 # Types by their numbers in the file.
@@ -43,7 +44,7 @@ def write_tensors(file: BinaryIO, fields: dict[str, np.ndarray]) -> None:
 
 def read_tensors(path: str | os.PathLike) -> dict[str, np.ndarray]:
     """The arrays of a file by name. Raises NoTensors, and OSError when the file cannot be opened."""
-    data = Path(path).read_bytes()
+    data = check_path(path).read_bytes()
     if not data.startswith(_MAGIC):
         raise NoTensors("no tensor file")
     try:

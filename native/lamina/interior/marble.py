@@ -8,12 +8,11 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 import numpy as np
 
 from ..common import json_file
-from ..common.arguments import check_field, finite_array
+from ..common.arguments import check_field, check_path, finite_array
 from ..common.atomic import write_atomically
 from ..common.errors import ArgumentError, InteriorError, quoted
 from ..common.progress import Progress, stepper
@@ -104,8 +103,9 @@ class Marble:
     @classmethod
     def load(cls, path: str | os.PathLike) -> Marble:
         """Reads a file written by `save`. Raises InteriorError with the file's name, or OSError."""
+        path = check_path(path)
         try:
-            return cls.from_json(json_file.parse(Path(path).read_text(encoding="utf-8")))
+            return cls.from_json(json_file.parse(path.read_text(encoding="utf-8")))
         except ValueError as error:
             raise InteriorError(f"{path}: {error}") from None
 

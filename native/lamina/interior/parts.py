@@ -16,6 +16,7 @@ from typing import Any, cast
 import numpy as np
 
 from ..common.archive import Damaged, load_archive, save_archive
+from ..common.arguments import check_path
 from ..common.errors import ShardError, quoted
 from ..common.kept import kept
 from ..common.parts import checked_shard, in_sequence, share_of
@@ -51,6 +52,7 @@ class WalkPart:
     def load(cls, path: str | os.PathLike) -> WalkPart:
         """Reads a part. Raises ShardError if the file is truncated, damaged or not a part. Raises OSError if the file
         cannot be opened."""
+        path = check_path(path)
         try:
             header, _ = load_archive(path)
             if not isinstance(header, dict) or header.get("format") != FORMAT:

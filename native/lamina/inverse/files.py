@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-from ..common.arguments import check_number, check_whole
+from ..common.arguments import check_number, check_path, check_whole
 from ..common.errors import ArgumentError, MeasurementError, quoted
 from .csv_file import read_csv
 from .measurements import Brdf, Measurement
@@ -38,7 +37,7 @@ def load(path: str | os.PathLike, count: int = 300, grazing: float = 75.0, wavel
     count = check_whole(count, "count", 1, 1_000_000)
     grazing = check_number(grazing, "grazing", "must lie in (0, 90) degrees", lambda angle: 0.0 < angle < 90.0)
     common: dict[str, Any] = {"sigma": sigma, "relative": relative, "changes": changes}
-    suffix = Path(path).suffix.lower()
+    suffix = check_path(path).suffix.lower()
     if wavelengths is not None and suffix != ".bsdf":
         raise ArgumentError(f"wavelengths = {quoted(wavelengths)}: only a .bsdf file has them")
     if suffix == ".csv":

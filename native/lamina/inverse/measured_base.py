@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import os
 import warnings
-from pathlib import Path
 
 import numpy as np
 
+from ..common.arguments import check_path
 from ..common.errors import MeasurementError
 from ..kinds.bases import Measured
 from ..material import half_table
@@ -33,7 +33,8 @@ def load_base(path: str | os.PathLike, name: str | None = None) -> Measured:
 
 def read_base(path: str | os.PathLike, name: str | None = None) -> tuple[Measured, float]:
     """(the base of load_base, the largest share of a beam that the data reflect). Warns and raises as load_base."""
-    suffix = Path(path).suffix.lower()
+    path = check_path(path)
+    suffix = path.suffix.lower()
     if suffix not in (".binary", ".bsdf"):
         raise MeasurementError(f"{path}: unknown format: a measured base must be .binary (MERL) or .bsdf (RGL)")
     values = (merl_at if suffix == ".binary" else rgl_at)(path, *half_table.knots())
@@ -43,7 +44,7 @@ def read_base(path: str | os.PathLike, name: str | None = None) -> tuple[Measure
     if largest > MOST:
         warnings.warn(f"{path}: the data reflect up to {largest:.4g} times the light that they receive, and are scaled "
                       f"down there to {MOST:g}", stacklevel=3)
-    return Measured(half_table.text_from(table), Path(path).stem if name is None else name), largest
+    return Measured(half_table.text_from(table), path.stem if name is None else name), largest
 
 
 def conserving(table: np.ndarray) -> tuple[np.ndarray, float]:

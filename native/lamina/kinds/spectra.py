@@ -102,6 +102,8 @@ class Spectrum(Hashable):
     def load(cls, path: str | os.PathLike) -> Spectrum:
         """Reads a text file with a wavelength in nm and a value in each line, separated by a comma or spaces; lines
         that begin with # and a first line of words are left out. Raises StackError and OSError."""
+        if not isinstance(path, str | os.PathLike):
+            raise StackError(f"path = {quoted(path)}: must be a string or a Path")
         rows: list[tuple[float, ...]] = []
         for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
             cells = line.replace(",", " ").split()

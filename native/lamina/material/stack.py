@@ -11,11 +11,11 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
 from ..common import json_file
+from ..common.arguments import check_path
 from ..common.atomic import write_atomically
 from ..common.errors import StackError, quoted
 from ..common.observer import rec709
@@ -339,8 +339,9 @@ class Stack(Requirements):
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stack:
         """Reads a stack's JSON file. Raises StackError, with the file's name, and OSError."""
+        path = check_path(path)
         try:
-            data = json_file.parse(Path(path).read_text(encoding="utf-8"))
+            data = json_file.parse(path.read_text(encoding="utf-8"))
         except ValueError as error:
             raise StackError(f"{path}: not a JSON file ({error})") from None
         try:

@@ -9,10 +9,10 @@ import os
 import warnings
 import zlib
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from ..common.arguments import check_path
 from ..common.errors import MeshFileError, clipped
 from .mesh import Mesh
 
@@ -37,7 +37,8 @@ class _Element:
 def load(path: str | os.PathLike) -> Mesh:
     """The mesh of a .ply or .ply.gz file, neither turned nor scaled. Faces of n corners become n - 2 triangles; those
     with fewer than three are ignored. Any line ends are accepted. Raises MeshFileError, OSError."""
-    data = Path(path).read_bytes()
+    path = check_path(path)
+    data = path.read_bytes()
     if data[:2] == b"\x1f\x8b":
         try:
             data = gzip.decompress(data)
@@ -64,7 +65,7 @@ def load(path: str | os.PathLike) -> Mesh:
     triangles = _fans(*faces)
     if len(triangles) and not (triangles.min() >= 0 and triangles.max() < len(vertices)):
         raise MeshFileError(f"{path}: a face has an index outside [0, {len(vertices) - 1}]")
-    return Mesh(vertices, triangles, name=Path(path).name)
+    return Mesh(vertices, triangles, name=path.name)
 
 
 class _BadFileError(Exception):

@@ -8,10 +8,9 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from pathlib import Path
 
 from ..common import json_file
-from ..common.arguments import check_kind
+from ..common.arguments import check_kind, check_path
 from ..common.atomic import write_atomically
 from ..common.errors import ShardError, quoted
 from ..common.parts import in_sequence
@@ -46,8 +45,9 @@ def save_part(part: dict, path: str | os.PathLike) -> None:
 
 def load_part(path: str | os.PathLike) -> dict:
     """Reads a part. Raises ShardError, with the file's name, and OSError."""
+    path = check_path(path)
     try:
-        part = json_file.parse(Path(path).read_text(encoding="utf-8"))
+        part = json_file.parse(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise ShardError(f"{path}: not a JSON file ({error})") from None
     check_part(part, str(path), KINDS)
