@@ -24,6 +24,13 @@ def solved():
     return lamina.solve(SLAB, "preview")
 
 
+@pytest.fixture(scope="module")
+def sheet():
+    """A solved sheet and its table."""
+    stack = Stack([Medium(albedo=0.9, tau=1.0)])
+    return lamina.solve(stack, "preview"), lamina.bake(stack, "preview")
+
+
 def sentence_of(error):
     text = str(error.value)
     assert "\n" not in text and len(text) < 400
@@ -122,6 +129,15 @@ def test_sides_and_paths_of_any_type(solved):
             solved.reflectance(0.5, value)
         with pytest.raises(ArgumentError, match="^path = "):
             solved.grid(value, 0.5, 0.5, 0.0)
+
+
+@pytest.mark.parametrize("parts", [None, 1, "scattered", np.array([True, False]), []])
+def test_parts_are_wanted_or_not(sheet, parts):
+    for function in sheet:
+        for call in (function.reflectance, function.transmittance):
+            with pytest.raises(ArgumentError, match="^parts = .*: must be True or False$"):
+                call(0.5, parts=parts)
+            assert np.array_equal(sum(call(0.5, parts=np.True_)), call(0.5))
 
 
 GRAZING = {

@@ -64,6 +64,13 @@ def check_kind(value, name: str, kind: type, words: str):
     raise ArgumentError(f"{name} = {quoted(value)}: must be {words}")
 
 
+def check_flag(value, name: str) -> bool:
+    """`value` as a bool. Raises ArgumentError unless it is True or False."""
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    raise ArgumentError(f"{name} = {quoted(value)}: must be True or False")
+
+
 def check_callable(value, name: str) -> None:
     """Raises ArgumentError unless `value` can be called or is None."""
     if value is not None and not callable(value):

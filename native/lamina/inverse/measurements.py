@@ -66,6 +66,8 @@ class Measurement:
 
     def _check(self) -> None:
         """Checks values and errors, and gives them the shape (places, channels). Raises ArgumentError."""
+        if not isinstance(self.changes, Mapping | None):
+            raise ArgumentError(f"changes = {quoted(self.changes)}: must be a dict of values by path, or None")
         values = finite_array(self.values, "values")
         places = self.places
         if values.shape == places:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import _core
-from ..common.arguments import broadcast, check_number, check_whole, cosines, finite_array, finite_list
+from ..common.arguments import broadcast, check_flag, check_number, check_whole, cosines, finite_array, finite_list
 from ..common.errors import ArgumentError, StackError, quoted
 from ..common.interruptible import interruptible
 from ..common.progress import Progress, portion, stepper
@@ -285,14 +285,14 @@ class ScatteringFunction:
     def reflectance(self, mu0, side: str = "top", parts: bool = False, phi=0.0):
         """Hemispherical reflectance for a beam at cosine `mu0`, or "diffuse" for uniform diffuse light. Shape: that of
         mu0 + (channels,), broadcast with `phi`. With `parts` the pair (without specular reflection, specular
-        reflection)."""
+        reflection). Raises ValueError."""
         scattered, mirrored, _, _ = self._fluxes(mu0, side, phi)
-        return (scattered, mirrored) if parts else scattered + mirrored
+        return (scattered, mirrored) if check_flag(parts, "parts") else scattered + mirrored
 
     def transmittance(self, mu0, side: str = "top", parts: bool = False, phi=0.0):
         """Total transmittance, the unscattered beam included; with `parts` the pair (diffuse, direct)."""
         _, _, diffuse, direct = self._fluxes(mu0, side, phi)
-        return (diffuse, direct) if parts else diffuse + direct
+        return (diffuse, direct) if check_flag(parts, "parts") else diffuse + direct
 
     def lost_by_facets(self, mu0) -> np.ndarray | None:
         """What facets that are solved as mirrors reflect less than these, negative where they reflect more: the

@@ -39,6 +39,7 @@ def test_shapes_and_errors():
     (lambda: Profile(values=0.1, sigma=0.1, r=0.0), "r = 0: must be larger than 0"),
     (lambda: Profile(values=[0.1] * 2, sigma=0.1, r=[1.0, 2.0], mu_i=[1.0, 1.0]), "mu_i has the shape"),
     (lambda: Profile(values=0.1, sigma=0.1, r=1.0, path="up"), "path = 'up'"),
+    (lambda: Brdf(values=0.1, sigma=0.1, mu_o=1.0, mu_i=1.0, dphi=0.0, changes=3), "changes = 3: must be a dict of"),
 ])
 def test_bad_input_gets_one_sentence(make, message):
     with pytest.raises(lamina.ArgumentError, match=message) as error:

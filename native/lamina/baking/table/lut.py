@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...common.archive import Damaged, load_archive, save_archive
-from ...common.arguments import finite_array
+from ...common.arguments import check_flag, finite_array
 from ...common.by_content import ByContent
 from ...common.errors import ArgumentError, LutError
 from ...common.progress import Progress
@@ -101,13 +101,13 @@ class Lut(ByContent):
         mirrors). Other arguments are those of `evaluate`."""
         spread, direct = self._mixed(coverage, tau, (color, metallic, roughness),
                                      lambda function, tau: function.albedo(mu_o, "reflect", side, tau, phi_o))
-        return (spread, direct) if parts else spread + direct
+        return (spread, direct) if check_flag(parts, "parts") else spread + direct
 
     def transmittance(self, mu_o, side: str = "top", parts: bool = False, tau=None, coverage=None):
         """Like `reflectance`, for light from the other side of a sheet; the parts are (spread, unscattered)."""
         spread, direct = self._mixed(coverage, tau, (), lambda function, tau: function.albedo(mu_o, "transmit", side,
                                                                                               tau, 0.0))
-        return (spread, direct) if parts else spread + direct
+        return (spread, direct) if check_flag(parts, "parts") else spread + direct
 
     def _mixed(self, coverage, tau, inputs: tuple, values: Callable[..., tuple]) -> tuple[np.ndarray, ...]:
         """The arrays `values(function, tau)` of the fitted function with these inputs, at a coverage."""
