@@ -10,7 +10,8 @@ from importlib.resources import files
 import numpy as np
 
 from ..kinds.spectra import D65, ILLUMINANT, POWER, Spectrum, check_wavelengths
-from .errors import ArgumentError, StackError
+from .arguments import check_whole
+from .errors import ArgumentError, StackError, quoted
 from .srgb import LUMINANCE
 
 PRIMARIES = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])  # x, y of R, G and B: Rec. ITU-R BT.709
@@ -80,11 +81,17 @@ def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1,
            illuminant: str | Spectrum = D65) -> np.ndarray:
     """Reflectances, or other factors of light, by wavelength in nm along `axis`, as linear Rec. 709 under an
     illuminant, see Stack. White surfaces are white; colours are not clipped. Raises StackError, ArgumentError."""
-    wavelengths, values = check_wavelengths(wavelengths), np.asarray(values)
+    wavelengths = check_wavelengths(wavelengths)
+    try:
+        values = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"values = {quoted(values)}: must be an array of numbers") from None
+    if values.ndim > 0:
+        check_whole(axis, "axis", -values.ndim, values.ndim - 1)
     if values.ndim == 0 or values.shape[axis] != len(wavelengths):
         raise ArgumentError(f"values has the shape {values.shape}: must have {len(wavelengths)} values along axis "
                             f"{axis}, as many as wavelengths")
-    return np.moveaxis(np.tensordot(rec709_of(wavelengths, illuminant), values, (1, axis)), 0, axis)
+    return np.moveaxis(np.tensordot(rec709_of(wavelengths, checked_illuminant(illuminant)), values, (1, axis)), 0, axis)
 
 
 def fading(rgb: np.ndarray, axis: int) -> np.ndarray:

@@ -159,6 +159,18 @@ def test_sums_and_values_of_what_is_no_spectrum(made, words):
         made()
 
 
+@pytest.mark.parametrize(("arguments", "words"), [
+    ((["a", "b"], [500, 600]), "values = \\['a', 'b'\\]: must be an array of numbers"),
+    (([0.1, 0.2], [500, 600], 1), "axis = 1: must be a whole number from -1 to 0"),
+    (([0.1, 0.2], [500, 600], None), "axis = None"),
+    ((0.1, [500, 600]), "values has the shape \\(\\): must have 2 values"),
+    (([0.1, 0.2], [500, 600], -1, []), "illuminant = \\[\\]: must be"),
+])
+def test_colours_of_what_is_no_spectrum(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        rec709(*arguments)
+
+
 def test_a_factor_may_be_any_one_number():
     for double in (2.0 * RAMP, np.float64(2.0) * RAMP, RAMP * np.array(2.0)):
         assert double.values == (0.2, 0.8)
