@@ -12,7 +12,7 @@ import lamina
 from lamina import ArgumentError, Lambert, Medium, Query, ShardError, Stack, StackError
 from lamina.cli import main
 from lamina.common.errors import quoted
-from lamina.walks.shards import load_part, merge, run_shard
+from lamina.walks.shards import load_part, merge, run_shard, save_part
 
 SLAB = Stack([Medium(albedo=0.9, tau=1.0)], Lambert(0.5))
 ODD = [None, math.nan, -1, 0, 2.5, 10**400, -(10**30), "x", "x" * 100000, b"x", [], [1], {}, {"a": 1}, True, object(),
@@ -298,3 +298,10 @@ LOADS = {"stack": Stack.load, "table": lamina.Lut.load, "spectrum": lamina.Spect
 def test_what_is_no_path_is_refused_by_all_that_load(name, path):
     with pytest.raises(ValueError, match="^path = .*: must be a string or a Path$"):
         LOADS[name](path)
+
+
+@pytest.mark.parametrize("part", [None, 3, {}, np.zeros(3), [{}], {"schema": 1}])
+def test_what_is_no_part_is_not_saved(part, tmp_path):
+    with pytest.raises(ShardError, match="^part: not a part of an estimate$"):
+        save_part(part, tmp_path / "part.json")
+    assert not list(tmp_path.iterdir())

@@ -39,7 +39,8 @@ def run_shard(stack: AnyStack, query: Query, method: str, samples: int, seed: in
 
 
 def save_part(part: dict, path: str | os.PathLike) -> None:
-    """Writes a part, completely or not at all."""
+    """Writes a part, completely or not at all. Raises ShardError for what is no part, and OSError."""
+    check_part(part, "part", KINDS)
     write_atomically(path, lambda file: file.write((json.dumps(part) + "\n").encode()))
 
 
