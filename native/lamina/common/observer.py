@@ -84,7 +84,7 @@ def rec709(values: np.ndarray, wavelengths: tuple[float, ...], axis: int = -1,
     wavelengths = check_wavelengths(wavelengths)
     try:
         values = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"values = {quoted(values)}: must be an array of numbers") from None
     if values.ndim > 0:
         check_whole(axis, "axis", -values.ndim, values.ndim - 1)

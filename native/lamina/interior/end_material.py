@@ -57,7 +57,7 @@ def check_g(g) -> float:
 def _three(values, field: Field) -> tuple[float, ...]:
     try:
         array = np.asarray(values, float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.array([])
     if array.shape not in ((), (CHANNELS,)):
         raise InteriorError(f"{field.name} = {quoted(values)}: must be one number, or three")

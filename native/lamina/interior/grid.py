@@ -201,7 +201,7 @@ def _voxels(values, name: str, axes: tuple[int, ...]) -> np.ndarray:
     try:
         array = np.asarray(values)
         array = array if array.dtype.kind == "f" else array.astype(np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InteriorError(f"{name}: must be an array of numbers") from None
     if array.ndim not in axes or array.size == 0 or array.size > 6 * MOST_VOXELS:
         wanted = "(nx, ny, nz)" if axes == (3,) else "(nx, ny, nz), or (nx, ny, nz, 3)"

@@ -91,7 +91,7 @@ def checked_mesh(mesh: Mesh, name: str) -> Mesh:
     if mesh.normals is not None:
         try:
             normals = np.asarray(mesh.normals, np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise DustError(f"{name}.normals: must be numbers of shape (n, 3) or (m, 3, 3)") from None
         by_corner = normals.ndim == 3
         if by_corner and normals.shape != (len(triangles), 3, 3):
@@ -133,7 +133,7 @@ def triples(values, name: str) -> np.ndarray:
     """(n, 3) float64, each finite and within FARTHEST. Raises DustError."""
     try:
         array = np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise DustError(f"{name}: must be numbers of shape (n, 3)") from None
     if array.size == 0:
         return np.zeros((0, 3))

@@ -47,7 +47,7 @@ class TexelMap:
     def __init__(self, mesh: Mesh, uvs_per_corner: np.ndarray, size: int | tuple[int, int]):
         try:
             uvs = np.ascontiguousarray(uvs_per_corner, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise DustError(f"uvs_per_corner = {quoted(uvs_per_corner)}: must be an array of numbers") from None
         if uvs.shape != (len(mesh.triangles), 3, 2):
             raise DustError(f"uvs_per_corner has shape {uvs.shape}: must be ({len(mesh.triangles)}, 3, 2)")

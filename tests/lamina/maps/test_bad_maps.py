@@ -24,6 +24,7 @@ EMPTY = lamina.Solid(np.zeros((0, 3)), np.zeros((0, 3), int))
     ({"size": None}, ArgumentError, "size and uvs must be given together"),
     ({"size": 0}, InteriorError, "size = 0: must be one or two whole numbers from 1 to 16384"),
     ({"uvs": UVS[1:]}, InteriorError, r"uvs_per_corner has shape \(11, 3, 2\): must be \(12, 3, 2\)"),
+    ({"uvs": 10**400}, InteriorError, "uvs_per_corner = 1000.*: must be an array of numbers"),
     ({"uvs": UVS * np.nan}, InteriorError, r"uvs_per_corner\[0\]: must be finite"),
     ({"uvs": 0.0 * UVS}, InteriorError, "the UV map has no area"),
     ({"uvs": OVER}, InteriorError, "texels lie on two parts of the surface, because islands of the UV map overlap"),
