@@ -14,6 +14,7 @@ from ..common.arguments import broadcast, check_choice, cosines, finite_array
 from ..common.errors import ArgumentError, quoted
 from ..solver.core_calls import path_of, side_of
 from .light import BeamLight, DirectionLight
+from .template import check_changes
 
 DIFFUSE = "diffuse"
 PARTS = ("total", "scattered", "direct")
@@ -66,8 +67,7 @@ class Measurement:
 
     def _check(self) -> None:
         """Checks values and errors, and gives them the shape (places, channels). Raises ArgumentError."""
-        if not isinstance(self.changes, Mapping | None):
-            raise ArgumentError(f"changes = {quoted(self.changes)}: must be a dict of values by path, or None")
+        check_changes(self.changes)
         values = finite_array(self.values, "values")
         places = self.places
         if values.shape == places:

@@ -46,8 +46,12 @@ class Template:
         return named([self])
 
     def stack(self, values: Mapping[str, float]) -> Stack:
-        """The stack in which the parameters have these values, by name. Raises StackError."""
-        return self.filled({free: values[name] for name, free in self.parameters.items()})
+        """The stack in which the parameters have these values, by name. Raises StackError and ArgumentError."""
+        names = self.parameters
+        if not isinstance(values, Mapping) or not set(names) <= set(values):
+            raise ArgumentError(f"values = {quoted(values)}: must be a dict with a number for each of "
+                                f"{', '.join(names)}")
+        return self.filled({free: values[name] for name, free in names.items()})
 
     def filled(self, values: Mapping[Free, float]) -> Stack:
         """The stack in which the parameters have these values. Raises StackError."""
@@ -56,6 +60,7 @@ class Template:
     def changed(self, changes: Mapping[str, object] | None) -> Template:
         """The template with other parts: `changes` are values by path: "base", "base.reflectance",
         "layers[0].thickness", "layers[1].phase.g". Raises ArgumentError for a path that leads nowhere."""
+        changes = check_changes(changes)
         if not changes:
             return self
         parts: dict = {"base": self.base, **dict(enumerate(self.layers))}
@@ -70,6 +75,13 @@ class Template:
             parts[key] = _replaced(parts[key], match[3].split(".")[1:], value, path)
         base = parts.pop("base")
         return Template(tuple(parts.values()), base)
+
+
+def check_changes(changes: Mapping[str, object] | None) -> Mapping[str, object]:
+    """The changes, none for None. Raises ArgumentError unless they are a dict."""
+    if isinstance(changes, Mapping | None):
+        return changes or {}
+    raise ArgumentError(f"changes = {quoted(changes)}: must be a dict of values by path, or None")
 
 
 def named(templates: Sequence[Template]) -> dict[str, Free]:

@@ -60,6 +60,9 @@ def test_changes_of_parts():
     (lambda: Template([Medium(albedo=Free(0.5, 0, 2), tau=1.0)]), r"layers\[0\].albedo = 2: must lie in \[0, 1\]"),
     (lambda: Template([Medium(albedo=Free(0.5, 0, 1))]), r"layers\[0\].tau is missing"),
     (lambda: Template([], None), "must hold at least one layer or a base"),
+    (lambda: Template([], Lambert(Free(0.5, 0, 1))).stack({"r": 0.5}), "must be a dict with a number for each of base"),
+    (lambda: Template([], Lambert(Free(0.5, 0, 1))).stack(0.5), "values = 0.5: must be a dict"),
+    (lambda: Template([], Lambert(Free(0.5, 0, 1))).changed([1]), r"changes = \[1\]: must be a dict of values by path"),
     (lambda: Template("slab"), "must be a list, top layer first"),
 ])
 def test_bad_input_gets_one_sentence(make, message):
