@@ -137,6 +137,19 @@ def test_the_color_turns_with_the_angle():
     assert steep[0] / steep[2] > 1.3 * grazing[0] / grazing[2]
 
 
+@pytest.mark.parametrize(("solved", "refused"), [
+    (Flakes(1.0, 0.2, film=Film(2.5, 600.0)), Flakes(1.0, 0.2, film=Film(2.5, 700.0))),
+    (Flakes(1.0, 0.2, film=Film(1.38, 200.0)), Flakes(1.0, 0.2, film=Film(1.38, 300.0))),
+    (Flakes(1.0, 0.2, metal="aluminium", film=Film(1.38, 1000.0)), None),
+])
+def test_thick_films_in_lacquer(solved, refused):
+    """The examples of docs/limits.md."""
+    lamina.solve(Stack([Interface(1.5), solved], Lambert(0.1)), "preview")
+    if refused is not None:
+        with pytest.raises(SolveError, match="changes too fast with the angle"):
+            lamina.solve(Stack([Interface(1.5), refused], Lambert(0.1)), "preview")
+
+
 @pytest.mark.parametrize(("flakes", "words"), [
     (Flakes(1.0, 0.3, film=Film(TIO2, 3000.0)), "changes too fast with the angle"),
     (Flakes(1.0, 0.3, ior=1.4), "changes too fast with the angle"),
