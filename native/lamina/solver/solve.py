@@ -38,9 +38,9 @@ def solve(stack: AnyStack, quality: str = "final", threads: int = 0, nodes: int 
     The relative pointwise tolerance (cosines >= .05) is .1 % ("final") or 1 % ("preview"). `threads` 0 uses every
     hardware thread; results do not depend on it. In stacks with boundaries, the tolerance is relative to at least 1e-3
     per steradian and to at least 1e-3 of the mean over azimuths. At most 200 azimuth orders are tried. `nodes` sets the
-    number of nodes per hemisphere, without a check of the tolerance, for previews. `progress(fraction, text)` is called
-    with the share of the channels that are solved, 0 to 1. `cancel()` is called often; Cancelled is raised if it
-    returns true.
+    number of nodes per hemisphere, without a check of the tolerance, for previews; the azimuth orders are the first
+    number that a solve would try. `progress(fraction, text)` is called with the share of the channels that are solved,
+    0 to 1. `cancel()` is called often; Cancelled is raised if it returns true.
 
     Raises SolveError, with the numbers, when the finest resolution misses the tolerance, and ArgumentError, a
     ValueError, for arguments out of range: `threads` 0 to 1024, `nodes` 8 to 160.
