@@ -15,7 +15,7 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from ..common.archive import Damaged, load_archive, save_archive
-from ..common.arguments import check_choice
+from ..common.arguments import check_choice, check_kind
 from ..common.errors import ExportError
 from ..common.progress import Progress, portion, stepper
 from ..exchange.half_vectors import incident_angles
@@ -63,8 +63,9 @@ class RenderTable:
            cancel: Callable[[], bool] | None = None) -> RenderTable:
         """The table of a solved stack, by thickness if one of its media is varying. `quality` "preview" has half the
         knots on each axis, for an eighth of the time and some ten times the error. `progress(fraction, text)` is called
-        often; Cancelled is raised when `cancel()` returns true. Raises StackError for anisotropic facets, and for a
-        sheet that ends in another medium than air."""
+        often; Cancelled is raised when `cancel()` returns true. Raises ArgumentError, and StackError for anisotropic
+        facets and for a sheet that ends in another medium than air."""
+        check_kind(solved, "solved", ScatteringFunction, "what lamina.solve returned")
         step = stepper("the table for renderers", progress, cancel)
         thetas, azimuths, rows = KNOTS[check_choice(quality, "quality", KNOTS)]
         stack = solved.stack

@@ -250,6 +250,8 @@ def test_what_is_refused(tmp_path, tables):
     mi.set_variant("scalar_rgb")
     with pytest.raises(lamina.ArgumentError, match=r"must be a lamina\.mitsuba\.RenderTable"):
         lamina.mitsuba.bsdf(tables("rough coat")[0])
+    with pytest.raises(lamina.ArgumentError, match=r"solved = Stack.*must be what lamina\.solve returned"):
+        RenderTable.of(Stack([], Lambert(0.3)))
     with pytest.raises(lamina.StackError, match="table for renderers"):
         RenderTable.of(lamina.solve(Stack([Interface(1.5, 0.2, alpha_v=0.4)], Lambert(0.3)), "preview"))
     with pytest.raises(lamina.Cancelled, match="table for renderers"):
