@@ -17,7 +17,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..common.errors import quoted
+from ..common.arguments import check_kind
+from ..common.errors import ArgumentError, UnknownName, quoted
 from . import following_lobes, moving_lobes, oriented_lobes
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, halo, mirror
@@ -27,7 +28,11 @@ from .through_lobes import through
 def _normal_suffix(normal: Normal) -> str:
     if isinstance(normal, tuple):
         return f"_tilt{number(normal[1])}"
-    return {"N": "", "I": "_i", "N+I": "_h"}[normal]
+    suffixes = {"N": "", "I": "_i", "N+I": "_h"}
+    if not isinstance(normal, str) or normal not in suffixes:
+        raise ArgumentError(f"normal = {quoted(normal)}: must be one of {', '.join(suffixes)}, or a pair of a text and "
+                            "an angle")
+    return suffixes[normal]
 
 
 # --- Lambert's cosine ---------------------------------------------------------------------------
@@ -237,11 +242,17 @@ def _following(name: str, scale: float, least: float, of_width: dict) -> Lobe:
     return replace(lobe, id=name, node=replace(lobe.node, inputs=inputs, width=(scale, least), of_width=of_width))
 
 
-@functools.lru_cache(maxsize=512)
 def by_id(lobe_id: str) -> Lobe:
     """The lobe with this id: one of the dictionary, or one made for a stack, such as "ggx:0.1" (alpha), "beckmann:0.1",
     "halo:0.1", "moving:0", "fresnel_ggx:1.5:0.1" (index, alpha), "toon:0.3:0.05:0.2" (lean, size, smooth),
-    "retro:0.05:0.2" (size, smooth), or one of following_lobes. Raises KeyError for an unknown id."""
+    "retro:0.05:0.2" (size, smooth), or one of following_lobes. Raises UnknownName, a KeyError and StackError."""
+    if not isinstance(lobe_id, str):
+        raise _unknown(lobe_id)
+    return _lobe_of(lobe_id)
+
+
+@functools.lru_cache(maxsize=512)
+def _lobe_of(lobe_id: str) -> Lobe:
     if lobe_id in _BY_ID:
         return _BY_ID[lobe_id]
     family, *numbers = lobe_id.split(":")
@@ -251,13 +262,19 @@ def by_id(lobe_id: str) -> Lobe:
     except (KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
         lobe = None
     if lobe is None or lobe.id != lobe_id:
-        raise KeyError(f"closure {quoted(lobe_id)}: not in the dictionary")
+        raise _unknown(lobe_id)
     return lobe
+
+
+def _unknown(closure) -> UnknownName:
+    return UnknownName(f"closure = {quoted(closure)}: not in the dictionary")
 
 
 def recipe(closure: str) -> NodeRecipe:
     """The node of a lobe, or of a closure for delta light: "transparent" for unscattered light, "mirror:ALPHA" for
-    specular reflection by smooth boundaries. Raises KeyError for an unknown id."""
+    specular reflection by smooth boundaries. Raises UnknownName, a KeyError and StackError."""
+    if not isinstance(closure, str):
+        raise _unknown(closure)
     if closure == "transparent":
         return NodeRecipe("ShaderNodeBsdfTransparent", normal_input="")
     if closure.startswith("mirror:"):
@@ -266,13 +283,13 @@ def recipe(closure: str) -> NodeRecipe:
 
 
 def _mirror_alpha(closure: str) -> float:
-    """The microfacet width in the id of a mirror. Raises KeyError if there is none in [0, 1]."""
+    """The microfacet width in the id of a mirror. Raises UnknownName if there is none in [0, 1]."""
     try:
         alpha = float(closure.removeprefix("mirror:"))
     except ValueError:
         alpha = math.nan
     if not 0.0 <= alpha <= 1.0:
-        raise KeyError(f"closure {quoted(closure)}: not in the dictionary")
+        raise _unknown(closure)
     return alpha
 
 
@@ -285,6 +302,7 @@ def directional_albedo(lobe: Lobe, mu_o, nodes: tuple[int, int] = (96, 64)) -> n
     `nodes`: numbers of nodes in theta (Gauss) and in dphi (midpoint). The default is accurate to 3e-4 for every closure
     of the dictionary; their kinks need more nodes than a scattering function.
     """
+    check_kind(lobe, "lobe", Lobe, "a lamina.lobes.Lobe")
     x, w = _gauss(nodes[0])
     theta = (x + 1.0) * np.pi / 4
     dphi = (np.arange(nodes[1]) + 0.5) * np.pi / nodes[1]

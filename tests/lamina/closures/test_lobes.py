@@ -116,3 +116,22 @@ def test_toon_is_flat_inside_and_black_outside():
     cosine = np.cos(np.radians([0.0, 20.0, 33.75, 46.0, 80.0]))
     full = 1.0 / (2.0 * np.pi * (1.0 - np.cos(np.radians(45.0))))
     assert lobe.evaluate(0.7, cosine, 1.0) == pytest.approx(full * np.array([1, 1, 0.5, 0, 0]), abs=1e-12)
+
+
+@pytest.mark.parametrize("closure", [None, 3, [], ["diffuse"], "x", "mirror:2"])
+def test_closures_that_are_not_in_the_dictionary(closure):
+    for call in (lobes.by_id, lobes.recipe):
+        with pytest.raises(ValueError, match=r"^closure = .*: not in the dictionary$"):
+            call(closure)
+
+
+@pytest.mark.parametrize("normal", [None, 3, [], "x", 1.5])
+def test_normals_that_cannot_be(normal):
+    for call in (lobes.diffuse, lobes.translucent):
+        with pytest.raises(ValueError, match="^normal = .*: must be one of N, I, N"):
+            call(normal)
+
+
+def test_only_a_lobe_has_an_albedo():
+    with pytest.raises(ValueError, match="^lobe = 'diffuse': must be a lamina.lobes.Lobe$"):
+        lobes.directional_albedo("diffuse", 0.5)
