@@ -22,14 +22,17 @@ class Preset:
 
     @property
     def name(self) -> str:
+        """The name that the panel shows."""
         return self.stack.name
 
     @property
     def category(self) -> str:
+        """The group of presets in the panel."""
         return self.stack.category
 
     @property
     def source(self) -> str:
+        """Where the numbers come from."""
         return self.stack.source
 
     @property

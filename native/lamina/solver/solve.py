@@ -168,14 +168,20 @@ class ScatteringFunction:
 
     @property
     def nodes(self) -> int:
+        """Directions of the quadrature in a hemisphere, the most of any channel."""
         return max(solution.nodes for solution in self._channels)
 
     @property
     def orders(self) -> int:
+        """Fourier orders in azimuth, the most of any channel."""
         return max(solution.orders for solution in self._channels)
 
     @property
     def checks(self) -> dict[str, float]:
+        """The errors that the solver has measured, the worst of any channel, ideally 0: `quadrature` of the nodes'
+        moments; `phase` of the phase functions' normalisation; `energy` that is gained, or lost without absorption;
+        `reciprocity`, the relative asymmetry; `negativity`, the relative size of the most negative value; `azimuth` and
+        `resolution`, the relative errors of the truncated orders and of the nodes."""
         names = ("quadrature", "phase", "energy", "reciprocity", "negativity", "azimuth", "resolution")
         return {name: max(getattr(s.checks, name) for s in self._channels) for name in names}
 

@@ -60,6 +60,7 @@ class Lut(ByContent):
 
     @property
     def closures(self) -> list[str]:
+        """The names of the closures, in the order of their weights."""
         return self.header["closures"]
 
     @functools.cached_property
