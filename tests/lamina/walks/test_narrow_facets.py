@@ -55,6 +55,17 @@ def test_stated_errors_are_true(name):
     assert squares.max() < z_limit(SEEDS * len(CASES)) ** 2
 
 
+def test_light_that_smooth_boundaries_hold():
+    """Light beyond the critical angles of a sheet meets its narrow facets some thousand times. A tracer of rays without
+    next-event estimation, confirms the solver: .0523 +- .0004 at cosines of .2, where the solver has .0527."""
+    sheet = Stack([Interface(1.3), Interface(1.5, 0.08), Interface(1.0)])
+    query = Query(0.05, 0.05, 3.0, path="transmit")
+    truth, seeds = solved_value(sheet, query), 4
+    values, errors, _ = found_by(sheet, query, "transfer", 8 * SAMPLES, seeds)
+    squares = (values - truth) ** 2 / (errors**2 + (tolerance_of("final") * truth) ** 2)
+    assert squares.sum() < chi2.isf(0.01, seeds) and errors.max() < 0.15 * truth
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_the_adding_walk_finds_the_same(name):
     truth = solved_value(*CASES[name])

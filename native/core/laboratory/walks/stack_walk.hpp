@@ -90,17 +90,12 @@ class StackWalk : public Walk {
     double until;  ///< sum of powers up to this one
   };
 
-  /// The last scattering, at this element, of light that leaves by a sampled path.
-  struct Link {
-    std::size_t element;
-    Exit out;
-    bool reflected;
-  };
-
   static void add_exits(std::vector<Exits>& sum, const WalkBeam& back, const Exit& like);
   bool sample_boundaries(std::vector<Exits>& exits, Rng& rng) const;
   void sample_lobes(std::vector<Exits>& exits, Rng& rng) const;
-  void follow_back(Link link, std::vector<Exits>& exits, Rng& rng) const;
+  /// Adds the path before `out`, whose last scattering at this element came from the direction `before`, and so on.
+  void follow_back(std::size_t element, Exit out, ScatteringSurface::Outcome before, std::vector<Exits>& exits,
+                   Rng& rng) const;
   bool is_sampled(std::size_t element, const Exit& out, bool reflected) const;
   bool is_sampled_through(std::size_t element, const Exit& out) const;
   bool target_is_above() const { return target_.path == Path::kReflect; }
