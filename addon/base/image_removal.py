@@ -35,8 +35,9 @@ def remove(image):
     if bpy.app.background:
         bpy.data.images.remove(image)
         return
-    _unused.append(_Unused(image))
-    short = _unused[-1].name.encode()[: LONGEST - len(UNUSED)].decode(errors="ignore")
+    entry = _Unused(image)
+    _unused.append(entry)
+    short = entry.name.encode()[: LONGEST - len(UNUSED)].decode(errors="ignore")
     image.name = short + UNUSED  # leaves the name to another image
     timers.start(poll, INTERVAL)
 

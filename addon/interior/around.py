@@ -111,7 +111,7 @@ def mark(objects, obj, with_names=False):
 def looks(objects, obj):
     """(a text that changes when materials of other objects reflect or emit other light, whether one emits);
     cheap."""
-    every = [[slot.material for slot in one.material_slots] or [None] for one in _marked(objects, obj)]
+    every = [_materials(one) for one in _marked(objects, obj)]
     known = {one: (albedo_of(one), emission_of(one)) for materials in every for one in materials}
     found = [[f"{value:.3g}" for one in materials for part in known[one] for value in part]
              for materials in every]
@@ -140,11 +140,15 @@ def _shape(obj):
         slots = other_materials.of_slots(mesh.loop_triangles, obj)
     finally:
         obj.to_mesh_clear()
-    materials = [slot.material for slot in obj.material_slots] or [None]
+    materials = _materials(obj)
     opaque = np.array([not other_materials.passes(one) for one in materials])
     kept = opaque[slots]
     looks = np.array([(albedo_of(one), emission_of(one)) for one in materials])
     return vertices, triangles[kept].astype(np.int64), looks[slots[kept]]
+
+
+def _materials(obj):
+    return [slot.material for slot in obj.material_slots] or [None]
 
 
 def albedo_of(material):

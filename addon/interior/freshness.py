@@ -39,7 +39,8 @@ def note(context, obj, material, node, uv_map, has_image):
         frame = _frame(obj, context.scene)
         found["lamps"], found["place"] = _lamps(context, obj, frame), _place(frame)
         shown = list(seen.objects(context.view_layer.layer_collection))
-        found["around"], (found["looks"], found["shines"]) = around.mark(shown, obj), around.looks(shown, obj)
+        found["around"] = around.mark(shown, obj)
+        found["looks"], found["shines"] = around.looks(shown, obj)
         found["sky"] = lights.mark(context.scene, found["shines"])
         found["turns"] = has_image
         found["camera"] = _camera(context.scene, frame) if settings.view == "CAMERA" else None
@@ -186,18 +187,23 @@ def _body(obj, scene):
 def _places_of_some(vertices):
     """Of `SOME` vertices or fewer, evenly among all: a dent moves some of them."""
     chosen = np.linspace(0, len(vertices) - 1, min(SOME, len(vertices))).astype(int).tolist()
-    return [round(value, 6) for number in chosen for value in vertices[number].co]
+    return [float(f"{value:.7g}") for number in chosen for value in vertices[number].co]
 
 
 def _alike_bodies(one, other):
     if one["counts"] != other["counts"]:
         return False
-    if "vertices" in other and not _alike({"at": one["vertices"]}, {"at": other["vertices"]}):
+    if "vertices" in other and not _alike_places(one["vertices"], other["vertices"]):
         return False
     if one["box"] is None or other["box"] is None:
         return bool(np.allclose(one["scale"], other["scale"], rtol=STILL))
-    size = max(np.ptp(np.reshape(other["box"], (-1, 3)), axis=0))
-    return bool(np.abs(np.subtract(one["box"], other["box"])).max() <= STILL * size)
+    return _alike_places(one["box"], other["box"])
+
+
+def _alike_places(one, other):
+    """True if no point of a list has moved by more than a share of their extent."""
+    size = max(np.ptp(np.reshape(other, (-1, 3)), axis=0))
+    return bool(np.abs(np.subtract(one, other)).max() <= STILL * size)
 
 
 def _lamps(context, obj, frame):

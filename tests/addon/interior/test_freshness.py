@@ -61,10 +61,14 @@ def edited(obj):
 
 
 def dented(obj):
-    """A dent that leaves the box as it is."""
+    dent(obj, 0.1)
+
+
+def dent(obj, margin):
+    """A dent in a vertex further than `margin` from all sides of the box, which stays as it is."""
     low, high = obj.bound_box[0], obj.bound_box[6]
     inside = [one for one in obj.data.vertices
-              if all(low[k] + 0.1 < one.co[k] < high[k] - 0.1 for k in range(3))]
+              if all(low[k] + margin < one.co[k] < high[k] - margin for k in range(3))]
     inside[0].co *= 0.8
     obj.data.update()
 
@@ -119,6 +123,17 @@ def test_changes_that_do_not_matter(freshness, ball, change):
     note(freshness, ball)
     change(ball)
     assert stale(freshness, ball) == ""
+
+
+def test_a_dent_in_a_small_mesh(freshness, ball):
+    """Of a mesh of a centimeter in meters, as many models are."""
+    for vertex in ball.data.vertices:
+        vertex.co *= 0.005
+    ball.scale = (1.0,) * 3
+    note(freshness, ball)
+    assert stale(freshness, ball) == ""
+    dent(ball, 0.0005)
+    assert stale(freshness, ball).startswith(SHAPE)
 
 
 def test_note_of_another_version(freshness, ball):

@@ -18,7 +18,7 @@ using std::numbers::pi;
 constexpr double kWidestLobe = 0.2;  // alpha
 // Largest probability that a path traced backwards goes on, and a factor of the densities of the ways: without it, the
 // long paths of light that smooth boundaries hold would have weights without a bound. For such light in a sheet, .98
-// has a sixth of the noise of .9.
+// has two fifths of the noise of .9.
 constexpr double kMostOn = 0.98;
 
 StackWalk::StackWalk(WalkElements stack, const WalkTarget& target) : stack_(std::move(stack)), target_(target) {
