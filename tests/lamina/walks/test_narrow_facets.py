@@ -66,6 +66,14 @@ def test_light_that_smooth_boundaries_hold():
     assert squares.sum() < chi2.isf(0.01, seeds) and errors.max() < 0.15 * truth
 
 
+def test_paths_that_facets_hardly_choose_count_nothing():
+    """Backwards, the compensation of the Beckmann facets sends light where the facets' own density is 1e-240."""
+    coats = [Interface(3.2, 0.0037), Interface(1.5, 0.15, distribution="beckmann")]
+    stack = Stack([hg(0.9, 0.06, 0.0), *coats], silver(0.0))
+    values, errors, _ = found_by(stack, Query(0.62, 1.0, 0.0), "transfer", SAMPLES, 8)
+    assert np.isfinite(values).all() and np.all((0.0 < errors) & (errors < 0.2 * values))
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_the_adding_walk_finds_the_same(name):
     truth = solved_value(*CASES[name])

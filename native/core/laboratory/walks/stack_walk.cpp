@@ -20,6 +20,9 @@ constexpr double kWidestLobe = 0.2;  // alpha
 // long paths of light that smooth boundaries hold would have weights without a bound. For such light in a sheet, .98
 // has two fifths of the noise of .9.
 constexpr double kMostOn = 0.98;
+// Largest Exit::later, a sum of densities: beyond it, the share of a path in the balance heuristic is below 1e-100. The
+// compensation of the energy that facets lose sends light where the density of the facets themselves is that small.
+constexpr double kMostLater = 1e100;
 
 StackWalk::StackWalk(WalkElements stack, const WalkTarget& target) : stack_(std::move(stack)), target_(target) {
   if (target.flux) {
@@ -103,12 +106,12 @@ void StackWalk::follow_back(std::size_t element, Exit out, ScatteringSurface::Ou
   while (before.weight != 0.0) {
     const ScatteringSurface& facets = *stack_.elements[element].facets;
     const double once = facets.value_once(-before.ray, out.ray);
-    if (once == 0.0) {
+    const double later = (1.0 + facets.value(-before.ray, out.ray) * out.later) / (kMostOn * once);
+    if (!(later < kMostLater)) {
       return;
     }
     const WalkBeam back(stack_, element, before.ray);
-    const double value = facets.value(-before.ray, out.ray);
-    add_exits(exits, back, {{}, out.share * before.weight, (1.0 + value * out.later) / (kMostOn * once)});
+    add_exits(exits, back, {{}, out.share * before.weight, later});
 
     // Choose one of the narrow facets that it meets
     next.clear();
