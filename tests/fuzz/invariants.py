@@ -11,7 +11,7 @@ import numpy as np
 from z_limit import z_limit
 
 import lamina
-from lamina import Conductor, Fibers, Flakes, Interface, Medium, PrincipledBase, Retroreflector, Stack
+from lamina import Conductor, Fibers, Film, Flakes, Interface, Medium, PrincipledBase, Retroreflector, Stack
 from lamina.solver.core_calls import tolerance_of
 
 QUALITY = "preview"
@@ -172,7 +172,7 @@ def _apart(ones: dict, others: dict, stack: Stack, what: str) -> list[str]:
 
 def _keeps_all(stack: Stack) -> bool:
     surfaces = [layer for layer in stack.layers if isinstance(layer, Interface)]
-    if any(isinstance(layer, Flakes | Fibers) for layer in stack.layers):
+    if any(isinstance(layer, Flakes | Fibers | Film) for layer in stack.layers):  # films may absorb
         return False
     if any(s.alpha > 0.0 and not s.compensate for s in surfaces) or isinstance(stack.base, Conductor):
         return False

@@ -6,49 +6,21 @@
 #include <numbers>
 #include <vector>
 
+#include "phase/moments_needed.hpp"
+
 namespace lamina {
 namespace {
 
-using Eigen::ArrayXd;
-using Eigen::Index;
 using std::numbers::pi;
 
 /// The spectrum of a GGX lobe at k times its inverse width, from above: k K_1(k) < sqrt(1 + pi k / 2) exp(-k).
 double blurred(double k) { return std::sqrt(1.0 + 0.5 * pi * k) * std::exp(-k); }
 
-/// The number of moments that represent a medium's phase function, blurred by a lobe of this width in radians, within
-/// the relative error `tolerance` of the light that the medium scatters once, at all angles.
-int moments_needed(const PhaseFunction& phase, const TruncatedMedium& medium, double width, double tolerance) {
-  constexpr Index kAngles = 361;
-  constexpr double kFaint = 1e-3;  // in 1/sr; smaller values may have the error of this one
+/// The largest light in 1/sr of a phase function of 1: thin media scatter in proportion to their
+/// thickness.
+double brightest(const TruncatedMedium& medium) {
   constexpr double kLeast = 0.05;  // the tolerance holds for larger cosines
-  const ArrayXd cosines = ArrayXd::LinSpaced(kAngles, 0.0, pi).cos();
-  ArrayXd allowed = cosines;
-  phase.evaluate_all(allowed);
-  // The largest light in 1/sr of a phase function of 1: thin media scatter in proportion to their thickness.
-  const double brightest =
-      0.25 / pi * medium.single_scattering_albedo() * std::min(medium.tau / (kLeast * kLeast), 0.5 / kLeast);
-  allowed = tolerance * allowed.max(std::max(0.02, kFaint / brightest));
-  // Legendre polynomials upwards, then the rest of the series downwards.
-  std::vector<ArrayXd> terms;
-  ArrayXd before = ArrayXd::Zero(kAngles);
-  ArrayXd now = ArrayXd::Ones(kAngles);
-  for (int l = 0; l <= kMostMoments; ++l) {
-    terms.emplace_back((2.0 * l + 1.0) * phase.moment(l) * blurred(l * width) * now);
-    const ArrayXd next = ((2.0 * l + 1.0) * cosines * now - static_cast<double>(l) * before) / (l + 1.0);
-    before = now;
-    now = next;
-  }
-  ArrayXd rest = ArrayXd::Zero(kAngles);
-  int needed = kMostMoments;
-  while (needed > 0) {
-    rest += terms[static_cast<std::size_t>(needed)];
-    if ((rest.abs() > allowed).any()) {
-      break;
-    }
-    --needed;
-  }
-  return needed;
+  return 0.25 / pi * medium.single_scattering_albedo() * std::min(medium.tau / (kLeast * kLeast), 0.5 / kLeast);
 }
 
 /// The narrowest lobe of the rough boundaries next to a medium, in radians there.
@@ -80,7 +52,10 @@ std::size_t section_of(const Solution& solution, std::size_t layer) {
 }
 
 int moments_behind_lobes(const Solution& solution, const Solution::Scatterer& scatterer, double tolerance) {
-  return moments_needed(scatterer.phase, scatterer.medium, narrowest_lobe(solution, scatterer), tolerance);
+  constexpr double kFaint = 1e-3;  // in 1/sr; smaller values may have the error of this one
+  const double width = narrowest_lobe(solution, scatterer);
+  return moments_needed(scatterer.phase, tolerance, std::max(0.02, kFaint / brightest(scatterer.medium)),
+                        [&](int l) { return blurred(l * width); });
 }
 
 }  // namespace lamina

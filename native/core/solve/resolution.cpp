@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "phase/moments_needed.hpp"
+
 namespace lamina {
 namespace {
 
@@ -19,19 +21,6 @@ int rounded_up(double nodes) { return static_cast<int>(std::ceil(nodes / kStep))
 
 /// Largest moment that the finest nodes may leave unresolved. It adds errors to the aureole and to faint light.
 constexpr double kUnresolved = 1e-5;
-
-/// Share of the tolerance for the contribution of noise moments to light scattered twice, relative to isotropic light.
-constexpr double kNoise = 1.0;
-
-/// The contribution of the moments from `first` on to light scattered twice, whose moments are chi_l^2, in the forward
-/// or backward direction, where it is largest.
-double left_out(const PhaseFunction& phase, int first) {
-  double sum = 0.0;
-  for (int l = first; l <= kMostMoments; ++l) {
-    sum += (2.0 * l + 1.0) * phase.moment(l) * phase.moment(l);
-  }
-  return sum;
-}
 
 /// True if the moments from `first` on are noise. Noise moments are uncorrelated; those of a peak decay slowly (with
 /// alternating signs for a backward peak).
@@ -45,10 +34,13 @@ bool is_noise(const PhaseFunction& phase, int first) {
   return squares > 0.0 && products < 0.5 * squares;
 }
 
-/// True if the unresolved moments are noise and small enough to ignore: single scattering uses the phase function
-/// itself, and multiple scattering hardly depends on them.
-bool only_noise_beyond(const PhaseFunction& phase, double albedo, int moments, double tolerance) {
-  return is_noise(phase, moments) && albedo * left_out(phase, moments) <= kNoise * tolerance;
+/// The number of nodes that resolve light scattered twice, whose moments are the squares, at all angles. The moments of
+/// noise and of weak peaks decay slowly, but light scattered twice hardly has them. Quadrature with n nodes is exact
+/// for products of moments up to n.
+int nodes_for_twice(const PhaseFunction& phase, double albedo, double tolerance) {
+  constexpr double kShare = 0.5;   // of the tolerance
+  constexpr double kFaint = 0.02;  // smaller values may have the error of this one
+  return rounded_up(moments_needed(phase, kShare * tolerance, kFaint, [&](int l) { return albedo * phase.moment(l); }));
 }
 
 void refuse(const PhaseFunction& phase, double rest) {
@@ -80,11 +72,9 @@ int nodes_for(const PhaseFunction& phase, double albedo, double tolerance) {
   const double peak = phase.peak();
   const double peaked = peak > 0.0 ? std::log(1e-3 * tolerance) / (2.0 * std::log(peak)) : 0.0;
   const int fewest = fewest_nodes(tolerance);
-  int nodes = std::clamp(rounded_up(peaked), fewest, kMostNodes);
-  while (nodes > fewest && only_noise_beyond(phase, albedo, 2 * (nodes - kStep), tolerance)) {
-    nodes -= kStep;
-  }
-  return nodes;
+  const int nodes = rounded_up(peaked);
+  return nodes <= fewest ? fewest
+                         : std::clamp(std::min(nodes, nodes_for_twice(phase, albedo, tolerance)), fewest, kMostNodes);
 }
 
 /// Measured: the error of light that flakes scatter repeatedly is then below a tenth of the tolerance.
@@ -190,7 +180,7 @@ Resolution resolution_of_media(const Stack& stack, double tolerance) {
   const auto resolve = [&](double albedo, const PhaseFunction& phase) {
     constexpr int kLast = 2 * kMostNodes;
     const double rest = albedo * std::abs(phase.moment(kLast));
-    if (rest > kUnresolved && !only_noise_beyond(phase, albedo, kLast, tolerance)) {
+    if (rest > kUnresolved && nodes_for_twice(phase, albedo, tolerance) > kMostNodes) {
       refuse(phase, rest);
     }
     nodes = std::max(nodes, nodes_for(phase, albedo, tolerance));

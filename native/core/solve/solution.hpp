@@ -90,6 +90,7 @@ class Solution {
   bool has_flakes() const;
   bool is_rough() const;
   int fewest_orders() const;
+  std::size_t ranges_for(double tau) const;
   double orders_needed() const;
   void add_boundaries(ThreadPool& pool);
 

@@ -140,8 +140,19 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   const Eigen::MatrixXd turned = multiple.reflect + quarter * phase.reflect;
   const Eigen::MatrixXd passed = multiple.transmit + quarter * phase.transmit;
   const double largest = std::max(turned.maxCoeff(), passed.maxCoeff());
-  const double smallest =
+  double smallest =
       std::min(least_entry(multiple.reflect, directions, set), least_entry(multiple.transmit, directions, set));
+  if (smallest < 0.0 && !medium.flakes) {
+    // Multiple scattering is a small difference, divided by small scales and by the shape of single scattering.
+    constexpr double kRounding = 1e-14;
+    const LayerShapes shapes(directions, medium);
+    const auto raised = [&](const Eigen::MatrixXd& values, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {
+      const Eigen::MatrixXd divisors = scale.asDiagonal() * shape * scale.asDiagonal();
+      return (values.array() + kRounding / divisors.array()).matrix();
+    };
+    smallest = std::min(least_entry(raised(multiple.reflect, shapes.reflect), directions, set),
+                        least_entry(raised(multiple.transmit, shapes.transmit), directions, set));
+  }
   checks.negativity = largest > 0.0 ? std::max(0.0, -smallest / largest) : 0.0;
   checks.resolution = std::max(tail_share(multiple.reflect, turned, directions, set),
                                tail_share(multiple.transmit, passed, directions, set));

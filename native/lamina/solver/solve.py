@@ -318,7 +318,7 @@ class ScatteringFunction:
         done = {}
         for solution in self._channels:
             if id(solution) not in done:
-                done[id(solution)] = call(solution)
+                done[id(solution)] = or_solve_error(lambda s=solution: call(s))
         return np.stack([done[id(solution)] for solution in self._channels], axis=-1)
 
     def _evaluate(self, path, mu_o, mu_i, dphi, phi_o, side: str) -> np.ndarray:

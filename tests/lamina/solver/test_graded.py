@@ -190,3 +190,11 @@ class TestBake:
         assert made.header["sides"] == ["top", "bottom"]
         even = Medium(tau=0.8, profile=[Knot(0.0, 0.2), Knot(0.5, 0.9), Knot(1.0, 0.2)])
         assert lamina.bake(Stack([even]), "preview", threads=1, nodes=16).header["sides"] == ["top"]
+
+
+def test_a_medium_that_ends_without_scattering_below_a_denser_one():
+    """Beside the critical angle the nodes have small weights: rounding errors of sublayers of albedo 1e-5 counted as
+    negative light, the more the finer the nodes."""
+    knots = [Knot(0.0, 1.0, HenyeyGreenstein(0.89)), Knot(0.7, 0.001, HenyeyGreenstein(-0.14)), Knot(1.0, 0.0)]
+    solved = lamina.solve(Stack([Interface(1.72), Medium(tau=2.9, profile=knots)], Lambert(0.5)), "preview")
+    assert solved.checks["negativity"] < 1e-3 and solved.nodes <= 56
