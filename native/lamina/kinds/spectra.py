@@ -104,8 +104,12 @@ class Spectrum(Hashable):
         that begin with # and a first line of words are left out. Raises StackError and OSError."""
         if not isinstance(path, str | os.PathLike):
             raise StackError(f"path = {quoted(path)}: must be a string or a Path")
+        try:
+            text = Path(path).read_text(encoding="utf-8-sig")  # spreadsheets begin with a byte order mark
+        except UnicodeDecodeError:
+            raise StackError(f"{path}: must be a text in UTF-8") from None
         rows: list[tuple[float, ...]] = []
-        for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
+        for number, line in enumerate(text.splitlines(), 1):
             cells = line.replace(",", " ").split()
             if not cells or cells[0].startswith("#"):
                 continue

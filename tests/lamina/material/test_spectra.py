@@ -187,3 +187,13 @@ def test_files(tmp_path):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(StackError, match=words):
             Spectrum.load(path)
+
+
+def test_files_of_spreadsheets(tmp_path):
+    """Their texts may begin with a byte order mark, after which the first line was taken for names of columns."""
+    path = tmp_path / "dye.csv"
+    path.write_text("400,1\n500,2\n", encoding="utf-8-sig")
+    assert Spectrum.load(path) == Spectrum((400.0, 500.0), (1.0, 2.0))
+    path.write_bytes("400,1\n500,2\n".encode("utf-16"))
+    with pytest.raises(StackError, match=r"dye\.csv: must be a text in UTF-8$"):
+        Spectrum.load(path)
