@@ -37,7 +37,8 @@ def load(path: str | os.PathLike, count: int = 300, grazing: float = 75.0, wavel
     count = check_whole(count, "count", 1, 1_000_000)
     grazing = check_number(grazing, "grazing", "must lie in (0, 90) degrees", lambda angle: 0.0 < angle < 90.0)
     common: dict[str, Any] = {"sigma": sigma, "relative": relative, "changes": changes}
-    suffix = check_path(path).suffix.lower()
+    path = check_path(path)
+    suffix = path.suffix.lower()
     if wavelengths is not None and suffix != ".bsdf":
         raise ArgumentError(f"wavelengths = {quoted(wavelengths)}: only a .bsdf file has them")
     if suffix == ".csv":

@@ -16,6 +16,7 @@ from ..common.tensor_file import NoTensors, read_tensors
 from .directions import Directions
 
 NEEDED = ("phi_i", "theta_i", "ndf", "sigma", "vndf", "jacobian")
+DENSITIES = ("ndf", "sigma", "vndf")
 SMALLEST = 1e-7  # 1/sr, in place of 0 in a logarithm
 
 
@@ -23,26 +24,17 @@ def read_rgl(path: str | os.PathLike, wavelengths=None) -> Directions:
     """The directions of all nodes. `wavelengths` in nm, between which the file's are interpolated; None for all of a
     spectral file, or for red, green and blue. Raises MeasurementError, ArgumentError and OSError."""
     fields = _fields(path)
-    try:
-        values = _channels(fields, wavelengths)
-        return _directions(fields, values)
-    except (IndexError, ZeroDivisionError):
-        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together") from None
+    return _directions(fields, _channels(fields, wavelengths))
 
 
 def rgl_at(path: str | os.PathLike, h: np.ndarray, d: np.ndarray, c: np.ndarray, *_: np.ndarray) -> np.ndarray:
     """The values in 1/sr, (*h.shape, 3), red, green and blue, at half vectors, see half_table: the mean of both
     directions. Raises MeasurementError and OSError."""
     fields = _fields(path)
-    try:
-        values = _channels(fields, None)
-        if "spectra" in fields:
-            values = rec709(values, tuple(fields["wavelengths"].astype(float).tolist()))
-        if not np.all(np.isfinite(values)):
-            raise MeasurementError(f"{path}: holds values that are not finite")
-        found = [_at(fields, values, h.ravel(), d.ravel(), sign * c.ravel()) for sign in (1.0, -1.0)]
-    except (IndexError, ZeroDivisionError):
-        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together") from None
+    values = _channels(fields, None)
+    if "spectra" in fields:
+        values = rec709(values, tuple(fields["wavelengths"].astype(float).tolist()))
+    found = [_at(fields, values, h.ravel(), d.ravel(), sign * c.ravel()) for sign in (1.0, -1.0)]
     return np.exp(0.5 * sum(np.log(np.maximum(one, SMALLEST)) for one in found)).reshape(*h.shape, -1)
 
 
@@ -52,12 +44,37 @@ def _fields(path: str | os.PathLike) -> dict[str, np.ndarray]:
         fields = read_tensors(path)
     except NoTensors as reason:
         raise MeasurementError(f"{path}: must be a .bsdf file of RGL: {reason}") from None
-    missing = [name for name in NEEDED if name not in fields]
-    if missing or not ("rgb" in fields or {"spectra", "wavelengths"} <= set(fields)):
-        raise MeasurementError(f"{path}: has no {quoted((missing or ['rgb'])[0])}: must be a .bsdf file of RGL")
-    if len(fields["phi_i"]) > 2:
+    kind = "spectra" if "spectra" in fields else "rgb"
+    for name in (*NEEDED, kind, *(["wavelengths"] if kind == "spectra" else [])):
+        if name not in fields:
+            raise MeasurementError(f"{path}: has no {quoted(name)}: must be a .bsdf file of RGL")
+    if fields["phi_i"].size > 2:
         raise MeasurementError(f"{path}: holds an anisotropic material: must be isotropic like all layers")
+    _check_shapes(path, fields, kind)
+    if not np.all(np.isfinite(fields[kind])):
+        raise MeasurementError(f"{path}: holds values that are not finite")
+    for name in DENSITIES:
+        own = fields[name]
+        if not np.all(np.isfinite(own)) or own.min() < 0.0 or not np.all(own.max(axis=(-2, -1)) > 0.0):
+            raise MeasurementError(f"{path}: {name} holds numbers that cannot be densities or areas")
+    for name, high in (("theta_i", 0.5 * math.pi + 1e-6), ("wavelengths", math.inf)):
+        own = fields.get(name, np.empty(0))
+        if not np.all((own >= 0.0) & (own <= high) & np.isfinite(own)) or not np.all(np.diff(own) > 0.0):
+            raise MeasurementError(f"{path}: {name} holds numbers that do not ascend, or cannot be")
     return fields
+
+
+def _check_shapes(path, fields: dict[str, np.ndarray], kind: str) -> None:
+    """Raises MeasurementError if arrays do not fit together; `kind`: the name of the values."""
+    slices = (fields["phi_i"].size, fields["theta_i"].size)
+    channels = fields["wavelengths"].size if kind == "spectra" else 3
+    # The axes before the two of a grid.
+    before = {"ndf": (), "sigma": (), "vndf": slices, kind: (*slices, channels)}
+    lists = [fields[name] for name in ("phi_i", "theta_i", "jacobian", "wavelengths") if name in fields]
+    if (any(one.ndim != 1 or not one.size for one in lists) or fields["jacobian"].size != 1
+            or any(fields[name].ndim != len(axes) + 2 or fields[name].shape[:-2] != axes
+                   or min(fields[name].shape[-2:]) < 2 for name, axes in before.items())):
+        raise MeasurementError(f"{path}: the arrays have shapes that do not fit together")
 
 
 def _channels(fields: dict[str, np.ndarray], wavelengths) -> np.ndarray:
@@ -75,9 +92,7 @@ def _channels(fields: dict[str, np.ndarray], wavelengths) -> np.ndarray:
     if np.any(outside):
         raise ArgumentError(f"wavelengths hold {wanted[outside][0]:g}: must lie in [{known.min():g}, {known.max():g}] "
                             "nm, the range of the file")
-    above = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
-    share = (wanted - known[above - 1]) / (known[above] - known[above - 1])
-    return spectra[..., above - 1] * (1.0 - share) + spectra[..., above] * share
+    return spectra @ np.array([np.interp(wanted, known, one) for one in np.eye(len(known))])
 
 
 def _directions(fields: dict[str, np.ndarray], values: np.ndarray) -> Directions:

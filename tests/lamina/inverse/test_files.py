@@ -124,6 +124,14 @@ def test_wavelengths_of_a_bsdf_file(tmp_path):
         load(path, wavelengths=[800.0], relative=0.1)
 
 
+@pytest.mark.filterwarnings("error")
+def test_one_wavelength_of_a_bsdf_file(tmp_path):
+    """Between one wavelength and itself, 0 was divided by 0."""
+    lamina.rgl.save_bsdf(Stack([], Lambert(0.3)), tmp_path / "x.bsdf", size=8, angles=4, wavelengths=[550.0])
+    (found,) = load(tmp_path / "x.bsdf", count=10, wavelengths=[550.0], relative=0.1)
+    assert found.values * math.pi == pytest.approx(np.full((10, 1), 0.3), rel=1e-4)
+
+
 def written(tmp_path, text):
     path = tmp_path / "x.csv"
     path.write_text(text, encoding="utf-8")
@@ -190,6 +198,49 @@ def test_bad_csv_gets_one_sentence(tmp_path, text, message):
     with pytest.raises(MeasurementError, match=message) as error:
         load(written(tmp_path, text), relative=0.01)
     assert "\n" not in str(error.value) and "x.csv: " in str(error.value)
+
+
+FITS_NOT = "shapes that do not fit together"
+NO_DENSITY = "holds numbers that cannot be densities or areas"
+NOT_ASCENDING = "holds numbers that do not ascend, or cannot be"
+DAMAGES = {
+    "no grid of densities": ({"vndf": np.ones(1)}, FITS_NOT),
+    "one axis too many": ({"vndf": np.ones((1, 1, 5, 11, 8))}, FITS_NOT),
+    "densities of one column": ({"vndf": np.ones((1, 5, 11, 1))}, FITS_NOT),
+    "densities for other angles": ({"vndf": np.ones((1, 4, 11, 8))}, FITS_NOT),
+    "a list of normals": ({"ndf": np.ones(7)}, FITS_NOT),
+    "no areas": ({"sigma": np.ones((0, 6))}, FITS_NOT),
+    "no azimuths": ({"phi_i": np.empty(0), "vndf": np.ones((0, 5, 11, 8)), "rgb": np.ones((0, 5, 3, 9, 9))}, FITS_NOT),
+    "spectra without wavelengths": ({"spectra": np.ones((1, 5, 2, 9, 9))},
+                                    "has no 'wavelengths': must be a .bsdf file of RGL"),
+    "no angles": ({"theta_i": np.empty(0)}, FITS_NOT),
+    "a table of angles": ({"theta_i": np.ones((1, 5))}, FITS_NOT),
+    "four colors": ({"rgb": np.ones((1, 5, 4, 9, 9))}, FITS_NOT),
+    "densities that are no numbers": ({"vndf": np.full((1, 5, 11, 8), np.nan)}, f"vndf {NO_DENSITY}"),
+    "no densities": ({"vndf": np.zeros((1, 5, 11, 8))}, f"vndf {NO_DENSITY}"),
+    "negative areas": ({"sigma": np.full((2, 6), -1.0)}, f"sigma {NO_DENSITY}"),
+    "endless normals": ({"ndf": np.full((2, 7), np.inf)}, f"ndf {NO_DENSITY}"),
+    "a value that is no number": ({"rgb": np.where(np.arange(9) == 8, np.nan, np.ones((1, 5, 3, 9, 9)))},
+                                  "values that are not finite"),
+    "angles that fall": ({"theta_i": np.array([1.4, 1.1, 0.7, 0.3, 0.1])}, f"theta_i {NOT_ASCENDING}"),
+    "angles in degrees": ({"theta_i": np.array([6.0, 17.0, 40.0, 63.0, 80.0])}, f"theta_i {NOT_ASCENDING}"),
+    "angles that are no numbers": ({"theta_i": np.full(5, np.nan)}, f"theta_i {NOT_ASCENDING}"),
+    "wavelengths that fall": ({"rgb": None, "spectra": np.ones((1, 5, 2, 9, 9)),
+                               "wavelengths": np.array([500.0, 400.0])}, f"wavelengths {NOT_ASCENDING}"),
+    "a wavelength too many": ({"rgb": None, "spectra": np.ones((1, 5, 2, 9, 9)),
+                               "wavelengths": np.array([400.0, 500.0, 600.0])}, FITS_NOT),
+}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_arrays_of_a_bsdf_file_that_cannot_be(tmp_path, damage):
+    """Some gave values of other directions, warnings of NumPy, or its errors."""
+    changes, words = DAMAGES[damage]
+    path = random_bsdf(tmp_path / "x.bsdf", **changes)
+    for call in (lambda: load(path, relative=0.01), lambda: lamina.measurements.load_base(path)):
+        with pytest.raises(MeasurementError, match=rf"x\.bsdf: .*{words}$"):
+            call()
 
 
 def test_bad_files_get_one_sentence(tmp_path):
