@@ -100,8 +100,13 @@ def check_seed(seed: int) -> int:
 
 def finite_array(values, name: str) -> np.ndarray:
     """The values as an array of floats of any shape. Raises ArgumentError."""
+    if np.ma.is_masked(values):
+        raise ArgumentError(f"{name} holds masked values: leave these out")
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.asarray(values)
+        if array.dtype.kind == "c":  # NumPy would drop imaginary parts
+            raise TypeError
+        array = array.astype(float, copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"{name} = {quoted(values)}: must be a number or an array of numbers") from None
     if not np.all(np.isfinite(array)):

@@ -60,7 +60,10 @@ class Linear:
     def __truediv__(self, other):
         if isinstance(other, Linear):
             raise ArgumentError("a quotient by a free quantity: must be a quotient by numbers")
-        return self * (1.0 / _coefficient(other))
+        divisor = _coefficient(other)
+        if np.any(np.equal(divisor, 0.0)):
+            raise ArgumentError(f"a quotient by {quoted(other)}: must be a quotient by numbers other than 0")
+        return self * (1.0 / divisor)
 
     __radd__, __rmul__ = __add__, __mul__
 

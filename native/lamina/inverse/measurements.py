@@ -20,6 +20,7 @@ DIFFUSE = "diffuse"
 PARTS = ("total", "scattered", "direct")
 # A value may be this many sigma outside its range, by noise.
 LARGEST_Z = 5.0
+LEAST_SIGMA, MOST_SIGMA = 1e-100, 1e100  # squares of differences in units of sigma must be numbers
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -30,8 +31,8 @@ class Measurement:
         axis of channels if the template has several.
     sigma: standard error of the values, absolute.
     relative: standard error of the values relative to them. Both, numbers or arrays that broadcast with `values`, add
-        as squares; at least one must be given. The relative part is taken of the fitted values, so noise does not bias
-        the fit.
+        as squares; at least one must be given, and the whole must lie in [1e-100, 1e100]. The relative part is taken of
+        the fitted values, so noise does not bias the fit.
     changes: what differs from the template in this measurement, by path, such as {"base": lamina.Lambert(0.05)} or
         {"layers[0].thickness": 2.0}; a value may be free too.
     """
@@ -92,6 +93,10 @@ class Measurement:
         if not np.all(found > 0.0):
             where = "" if not np.any(found > 0.0) else f" of the value {values[found == 0.0][0]:g}"
             raise ArgumentError(f"sigma{where} = 0: the standard error must be positive; give sigma, relative or both")
+        wrong = (found < LEAST_SIGMA) | (found > MOST_SIGMA)
+        if np.any(wrong):
+            raise ArgumentError(f"sigma of the value {values[wrong][0]:g} = {found[wrong][0]:g}: must lie in "
+                                f"[{LEAST_SIGMA:g}, {MOST_SIGMA:g}]")
         low = values < -LARGEST_Z * found
         if np.any(low):
             raise ArgumentError(f"values hold {values[low][0]:g} with sigma {found[low][0]:.3g}: must not be negative, "

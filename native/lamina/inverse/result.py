@@ -139,7 +139,7 @@ def _unclear(model: Model, errors: np.ndarray, correlations: np.ndarray, weakest
         if abs(correlations[i, j]) > CLOSE and not {first, second} <= told:
             found.append(f"The data can hardly tell {first} and {second} apart: their correlation is "
                          f"{correlations[i, j]:.4f}.")
-    return found
+    return list(dict.fromkeys(found))  # several open directions may have the same members
 
 
 def _test(chi_squared: float, degrees: int, probability: float) -> list[str]:

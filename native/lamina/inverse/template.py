@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from ..common.arguments import check_number
 from ..common.errors import ArgumentError, quoted
 from ..kinds.bases import Base
 from ..kinds.boundaries import Interface
@@ -51,7 +53,8 @@ class Template:
         if not isinstance(values, Mapping) or not set(names) <= set(values):
             raise ArgumentError(f"values = {quoted(values)}: must be a dict with a number for each of "
                                 f"{', '.join(names)}")
-        return self.filled({free: values[name] for name, free in names.items()})
+        return self.filled({free: check_number(values[name], f"values[{quoted(name)}]", "must be a finite number",
+                                               math.isfinite) for name, free in names.items()})
 
     def filled(self, values: Mapping[Free, float]) -> Stack:
         """The stack in which the parameters have these values. Raises StackError."""

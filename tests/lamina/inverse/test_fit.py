@@ -93,6 +93,13 @@ def test_what_the_data_cannot_tell():
     assert fit.errors["albedo"] < 0.01 < 10.0 < fit.errors["tau"]
 
 
+def test_each_remark_is_made_once():
+    """Two directions of the parameters that noise leaves open may have the same members."""
+    half = 0.5 * Free(0.5, 0.0, 1.0, "a") + 0.5 * Free(0.5, 0.0, 1.0, "b")
+    fit = lamina.fit(Reflectance(values=[0.2, 0.3], sigma=10.0, mu_i=[0.5, 0.9]), Template([], Lambert(half)))
+    assert fit.remarks.count("The data cannot tell a and b apart.") == 1
+
+
 def test_open_directions_do_not_lead_the_search_away():
     """A half-space below an optical thickness of 3: a correction along the direction that its values leave open once
     ended in a corner of the ranges."""
