@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from ..common.arguments import check_number
 from ..common.errors import ArgumentError, StackError, quoted
 from ..common.extras import require
 from ..material.any_stack import as_stack
@@ -21,24 +22,26 @@ def register() -> None:
     """Makes "lamina" a BSDF plugin of Mitsuba's present variant: call it after each `mitsuba.set_variant`. Its
     parameter `stack` is the id of a preset, the JSON of a stack, or the path of a JSON file or of a table that
     RenderTable.save wrote; `quality` is "final" or "preview"; `tau` as in `bsdf`. Stacks with wavelengths have their
-    colors under D65 in variants of RGB. Raises ExtraMissing without mitsuba."""
+    colors under D65 in variants of RGB. Raises ExtraMissing without mitsuba, and ArgumentError."""
     mi = require("mitsuba", "the plugin for Mitsuba")
-    mi.register_bsdf(NAME, _plugin(mi))
+    plugin = _plugin(mi)
+    mi.register_bsdf(NAME, plugin)
 
 
 def bsdf(table: RenderTable, tau: Any = None) -> Any:
     """The BSDF of a table for Mitsuba's present variant, to be used in the dictionary of a scene. `tau`: the thickness
-    of a varying layer in its thickest channel, a number or a texture of Mitsuba with raw values; by default the
-    largest. Raises ExtraMissing without mitsuba, and ArgumentError."""
+    of a varying layer in its thickest channel, a number of at least 0 or a texture of Mitsuba with raw values; by
+    default the largest, which larger ones count as. Raises ExtraMissing without mitsuba, and ArgumentError."""
     mi = require("mitsuba", "the plugin for Mitsuba")
     if not isinstance(table, RenderTable):
         raise ArgumentError(f"table = {quoted(table)}: must be a lamina.mitsuba.RenderTable")
     if tau is not None and table.rows == 1:
         raise ArgumentError("tau: the table has no varying layer")
-    props = mi.Properties(NAME)
+    plugin, props = _plugin(mi), mi.Properties(NAME)
     if tau is not None:
-        props["tau"] = tau
-    return _plugin(mi)(props, table)
+        rule = "must be a number of at least 0, or a texture of Mitsuba"
+        props["tau"] = tau if isinstance(tau, mi.Texture) else check_number(tau, "tau", rule, lambda one: one >= 0.0)
+    return plugin(props, table)
 
 
 def _table(given: str, quality: str) -> RenderTable:

@@ -74,10 +74,9 @@ class RenderTable:
         if sheet:
             stack.require_air_below()
         sights = tuple((side, path) for side in SIDES for path in PATHS) if sheet else (("top", "reflect"),)
-        functions, largest = [solved], 0.0
-        if varying is not None:
-            taus = [stack.optics(varying, index)[1] for index in range(stack.channels)]
-            largest = max(taus)
+        taus = [] if varying is None else [stack.optics(varying, index)[1] for index in range(stack.channels)]
+        functions, largest = [solved], max(taus, default=0.0)
+        if varying is not None and largest > 0.0:
             functions = [solved.with_thickness(varying, [tau * share for tau in taus])
                          for share in thickness_shares(largest, rows)]
         grid = Knots.even(thetas, azimuths)
@@ -119,12 +118,35 @@ class RenderTable:
             raise ExportError(f"{path}: not a complete table for renderers: {error}") from None
         if header.get("schema") != SCHEMA:
             raise ExportError(f"{path}: schema {header.get('schema')} is not that of this Lamina, which is {SCHEMA}")
-        sights = tuple((side, path) for side, path in header["sights"])
-        densities = tuple(tuple(FacetDensity(*one) for one in own) for own in header["densities"])
-        wavelengths = header["wavelengths"] and tuple(header["wavelengths"])
-        return cls(sights=sights, densities=densities, largest=header["largest"], name=header["name"],
-                   wavelengths=wavelengths,
-                   **dict(zip(ARRAYS, arrays, strict=True)))
+        try:
+            known = header["wavelengths"]
+            table = cls(sights=tuple((side, path) for side, path in header["sights"]),
+                        densities=tuple(tuple(FacetDensity(*one) for one in own) for own in header["densities"]),
+                        largest=float(header["largest"]), name=str(header["name"]),
+                        wavelengths=None if known is None else tuple(map(float, known)),
+                        **dict(zip(ARRAYS, arrays, strict=True)))
+        except (KeyError, TypeError, ValueError):
+            raise ExportError(f"{path}: not a complete table for renderers: its header is damaged") from None
+        if not table._holds_together:
+            raise ExportError(f"{path}: not a complete table for renderers: its header and its arrays do not fit "
+                              "together")
+        return table
+
+    @property
+    def _holds_together(self) -> bool:
+        """True if the shapes are those of the description, and all numbers finite."""
+        arrays = [getattr(self, name) for name in ARRAYS]
+        if self.smooth.ndim != 6 or not all(one.dtype.kind == "f" and np.all(np.isfinite(one)) for one in arrays):
+            return False
+        *lists, channels = self.smooth.shape
+        first, views = (len(self.sights), self.rows), self.theta_views.size
+        return (len(self.densities) == len(self.sights) in (1, 4) and min(self.smooth.shape) > 0
+                and (self.largest > 0.0) == (self.rows > 1)
+                and (self.wavelengths is None or len(self.wavelengths) == channels)
+                and self.facets.shape == (*lists, channels if any(self.densities) else 0)
+                and self.smooth.shape[:2] == first and self.mirrored.shape == (*first, lists[2] - 1, channels)
+                and self.theta_views.shape == (views,) and self.chance.shape == (*first, views, 2)
+                and self.density.shape[:3] == (*first, views) and self.density.ndim == 5)
 
     @property
     def channels(self) -> int:

@@ -2,6 +2,8 @@
 """The plugin for Mitsuba 3 against the solver: values, albedos, density, and variance beside Mitsuba's `measured`."""
 
 import math
+import subprocess
+import sys
 
 import mitsuba as mi
 import numpy as np
@@ -13,6 +15,7 @@ import lamina
 import lamina.mitsuba
 from lamina import Conductor, HenyeyGreenstein, Interface, Lambert, Medium, Stack
 from lamina.mitsuba import RenderTable
+from lamina.sampling import render_table
 
 OWN = {
     "white": Stack([Medium(1.0, 0.5)], Lambert(1.0)),
@@ -267,3 +270,45 @@ def test_what_is_refused(tmp_path, tables):
     mi.set_variant("scalar_spectral_polarized")
     with pytest.raises(lamina.ArgumentError, match="without polarisation"):
         lamina.mitsuba.register()
+
+
+def test_without_a_variant():
+    """A new process, because a variant cannot be taken back."""
+    code = "import lamina.mitsuba\ntry:\n    lamina.mitsuba.register()\nexcept ValueError as error:\n    print(error)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert found == "variant = None: call mitsuba.set_variant with one without polarisation before\n"
+
+
+@pytest.mark.parametrize("tau", [math.nan, math.inf, -1.0, "x", [1.0], True, {"type": "uniform", "value": 0.5}])
+def test_thicknesses_that_cannot_be(tau):
+    mi.set_variant("scalar_rgb")
+    table = RenderTable.of(lamina.solve(Stack([Medium(0.9, 1.0, varying=True)], Lambert(0.5)), "preview"), "preview")
+    with pytest.raises(lamina.ArgumentError, match="^tau = .*: must be a number of at least 0, or a texture of Mit"):
+        lamina.mitsuba.bsdf(table, tau)
+
+
+def test_a_varying_layer_without_thickness():
+    """Its table has one row; the thicknesses of rows were divided by 0."""
+    table = RenderTable.of(lamina.solve(Stack([Medium(0.9, 0.0, varying=True)], Lambert(0.5)), "preview"), "preview")
+    assert table.rows == 1 and table.largest == 0.0
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("sights", None), ("sights", [["top"]]), ("sights", []), ("densities", 5), ("densities", [[1]]), ("densities", []),
+    ("largest", "x"), ("largest", 2.0), ("wavelengths", 5), ("wavelengths", []), ("wavelengths", ["x"]),
+    ("smooth", np.zeros(3)), ("facets", np.zeros(3)), ("mirrored", np.zeros((1, 1, 48, 0))), ("density", np.zeros(3)),
+    ("theta_views", np.zeros(3)), ("chance", np.full((1, 1, 32, 2), np.nan)), ("chance", np.zeros((1, 1, 32, 2), int))])
+def test_tables_that_do_not_hold_together(tables, tmp_path, name, value):
+    header, arrays = render_table.load_archive(saved(tables, tmp_path), *render_table.ARRAYS)
+    arrays = dict(zip(render_table.ARRAYS, arrays, strict=True))
+    (arrays if name in arrays else header)[name] = value
+    render_table.save_archive(tmp_path / "changed.npz", header, **arrays)
+    with pytest.raises(lamina.ExportError, match=r"changed\.npz: not a complete table for renderers: its header"):
+        RenderTable.load(tmp_path / "changed.npz")
+
+
+def saved(tables, tmp_path):
+    """The file of a table that can be loaded."""
+    tables("rough coat")[1].save(tmp_path / "table.npz")
+    assert RenderTable.load(tmp_path / "table.npz").rows == 1
+    return tmp_path / "table.npz"
