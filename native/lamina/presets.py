@@ -13,6 +13,10 @@ from .material.user_presets import delete, load_user, user_folder, user_names
 __all__ = ["Preset", "delete", "entries", "load", "load_user", "names", "save", "user_folder", "user_names"]
 
 
+def __dir__():
+    return __all__
+
+
 def save(stack: AnyStack, name: str, replace: bool = False) -> Path:
     """Saves a stack as a preset of the user, completely or not at all, and returns the file's path. The folder is made
     if necessary. `name`: 1 to 60 characters that can be a file's name, other than the library's ids. Raises StackError

@@ -8,10 +8,12 @@ import math
 from functools import cache, lru_cache
 from importlib.resources import files
 
-from .fields import Option
+from .fields import Field, Option
 from .panel import Item
 
 GRAZING = math.cos(math.radians(82.0))  # of the angle of a metal's second colour (Hoffman 2019)
+RANGES = (Field("mu", 0.0, 1.0, single=True), Field("eta", 0.0, 1e6, single=True), Field("k", 0.0, 1e6, single=True))
+LEAST = 1e-9  # of the cosine and of eta, in place of 0 over 0
 
 
 # Numbers in .blend files: a new metal is added at the end.
@@ -28,7 +30,13 @@ def table() -> dict:
 
 
 def reflectance(mu: float, eta: float, k: float) -> float:
-    """Fresnel reflectance of a metal in air for unpolarised light at cosine `mu`."""
+    """Fresnel reflectance of a metal in air, of index eta + ik, for unpolarised light at cosine `mu`. Raises
+    StackError unless `mu` lies in [0, 1], and `eta` and `k` in [0, 1e6]."""
+    checked: list = [field.check(value, field.name) for field, value in zip(RANGES, (mu, eta, k), strict=True)]
+    return _reflectance(max(checked[0], LEAST), max(checked[1], LEAST), checked[2])
+
+
+def _reflectance(mu: float, eta: float, k: float) -> float:
     index = complex(eta, k) ** 2
     inside = (index - (1.0 - mu * mu)) ** 0.5
     across, along = (mu - inside) / (mu + inside), (index * mu - inside) / (index * mu + inside)
@@ -55,14 +63,14 @@ def _ends(facing: float) -> tuple[float, float, float]:
 def grazing_range(facing: float) -> tuple[float, float]:
     """(least, largest) reflectance at 82 degrees of metals of this facing colour; it falls as eta grows."""
     facing, low, high = _ends(facing)
-    return reflectance(GRAZING, high, _extinction(facing, high)), reflectance(GRAZING, low, _extinction(facing, low))
+    return _reflectance(GRAZING, high, _extinction(facing, high)), _reflectance(GRAZING, low, _extinction(facing, low))
 
 
 @lru_cache(maxsize=4096)
 def indices(facing: float, grazing: float) -> tuple[float, float]:
     """(eta, k) of the metal of these two reflectances, to 12 digits."""
     facing, low, high = _ends(facing)
-    eta = _bisect(lambda eta: reflectance(GRAZING, eta, _extinction(facing, eta)) >= grazing, low, high)
+    eta = _bisect(lambda eta: _reflectance(GRAZING, eta, _extinction(facing, eta)) >= grazing, low, high)
     return float(f"{eta:.12g}"), float(f"{_extinction(facing, eta):.12g}")
 
 

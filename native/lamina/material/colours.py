@@ -27,10 +27,13 @@ ALBEDOS = (0.05, 0.6, 0.95)  # at which the error is estimated
 
 def shown(medium: Medium, over: Channels | None = None) -> list[float]:
     """The colour, one value per channel, of an infinitely thick layer of `medium`; or, with `over` (the reflectance of
-    a Lambert surface, [0, 1]), of a layer of its own thickness on that surface. Raises StackError and ArgumentError."""
+    a Lambert surface, [0, 1]), of a layer of its own thickness on that surface. Raises StackError, also for a medium
+    with a profile or a pigment, and ArgumentError."""
     medium = check_kind(medium, "medium", Medium, "a lamina.Medium").checked("medium")
     if medium.pigment is not None:
         raise StackError("medium.pigment: must be in a Stack, which has wavelengths")
+    if medium.profile is not None:
+        raise StackError("medium.profile: must be left out, a medium has one colour")
     over = None if over is None else _field("over").check(over, "over")
     count = _channels(medium, "medium", ("over", over))
     check_colours(medium, count, "medium")

@@ -6,13 +6,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ..common.arguments import check_kind
-from ..common.errors import StackError, unknown
+from ..common.arguments import check_kind, check_whole
+from ..common.errors import ArgumentError, StackError, quoted, unknown
 from ..kinds.bases import Conductor
 from ..kinds.fields import Channels, channel, channel_count, check_forms
 from ..kinds.flakes import Flakes
 from ..kinds.metals import GRAZING, grazing_range, indices, reflectance, table
-from ..kinds.spectra import Spectrum
+from ..kinds.spectra import MOST_SAMPLES, Spectrum
 from .spectrum_files import read_spectra
 
 
@@ -62,15 +62,22 @@ def colours_of(metal: Conductor) -> tuple[list[float], list[float]]:
     if "metal" in values:
         raise StackError("conductor.metal: must be in a Stack, which has wavelengths; conductor(name) has the colours")
     channels = channel_count([(f"conductor.{name}", value) for name, value in values.items()])
-    eta, k = indices_of(replace(metal, **values), channels, "conductor")
+    eta, k = indices_of(metal, channels, "conductor")
     pairs = [(channel(eta, c), channel(k, c)) for c in range(channels)]
     return [reflectance(1.0, *pair) for pair in pairs], [reflectance(GRAZING, *pair) for pair in pairs]
 
 
 def indices_of(metal: Conductor | Flakes, channels: int, path: str) -> tuple:
-    """(eta, k) of a checked conductor or of metal flakes, computed from its two colours if they are given.
+    """(eta, k) of a conductor or of metal flakes, computed from its two colours if they are given: one number or one
+    per channel; (None, None) of a metal by its name.
 
-    Raises StackError, with `path` and the possible range, if no metal with its facing colour has its grazing colour."""
+    Raises ArgumentError, and StackError, with `path` and the possible range, if no metal with its facing colour has its
+    grazing colour."""
+    if not isinstance(metal, Conductor | Flakes):
+        raise ArgumentError(f"metal = {quoted(metal)}: must be a lamina.Conductor or lamina.Flakes")
+    check_whole(channels, "channels", 1, MOST_SAMPLES)
+    values: dict = check_forms(metal, path)
+    metal = replace(metal, **values)
     if metal.facing is None:
         return metal.eta, metal.k
     found = []

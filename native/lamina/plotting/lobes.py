@@ -29,6 +29,8 @@ def lobes(what: AnySubject, *more: AnySubject, mu_o: float | Sequence[float] = 0
     and ArgumentError."""
     subjects = [subject_of(one) for one in (what, *more)]
     views = cosines(finite_list(mu_o, "mu_o"), "mu_o")
+    if not views.size:
+        raise ArgumentError("mu_o = []: must hold a cosine")
     ax = new_axes(ax, polar=True)
     for subject in subjects:
         for mu in views:

@@ -73,6 +73,6 @@ def new_axes(given, polar: bool = False):
     plt = pyplot()
     if given is None:
         return plt.subplots(subplot_kw={"projection": "polar"} if polar else None, layout="constrained")[1]
-    if (getattr(given, "name", None) == "polar") != polar:
+    if not isinstance(given, plt.Axes) or (given.name == "polar") != polar:
         raise ArgumentError(f"ax = {quoted(given)}: must be {'polar' if polar else 'rectangular'} axes of matplotlib")
     return given

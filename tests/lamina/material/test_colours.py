@@ -147,6 +147,13 @@ def test_shown_takes_every_form():
     assert len(shown(Medium(albedo=0.5, tau=1.0), over=[0.1, 0.2, 0.3])) == 3
 
 
+def test_a_profile_has_no_one_colour():
+    """The core was given no albedo."""
+    layered = Medium(tau=1.0, profile=[lamina.Knot(0.0, albedo=0.5), lamina.Knot(1.0, albedo=0.9)])
+    with pytest.raises(StackError, match=r"^medium\.profile: must be left out"):
+        shown(layered, over=0.2)
+
+
 def test_a_stack_solves_for_its_colours_when_they_are_needed(monkeypatch):
     asked = []
     monkeypatch.setattr(colours, "albedo_by", lambda wanted, *situation: asked.append(wanted) or 0.5)

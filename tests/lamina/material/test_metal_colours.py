@@ -115,6 +115,27 @@ def test_presets_have_the_metals_colours():
         assert known[preset.stack.base.facing, preset.stack.base.grazing] in preset.source
 
 
+@pytest.mark.parametrize(("call", "says"), [
+    (lambda: metals.reflectance(math.nan, 1.0, 1.0), r"mu = nan: must lie in \[0, 1\]"),
+    (lambda: metals.reflectance(-1.0, 1.0, 1.0), r"mu = -1: must lie in \[0, 1\]"),
+    (lambda: metals.reflectance(1.0, "x", 1.0), "eta = 'x': must be one number"),
+    (lambda: metals.reflectance(1.0, 1.0, math.inf), "k = inf: must lie in"),
+    (lambda: metals.reflectance(1.0, 1e308, 1.0), r"eta = 1e\+308: must lie in"),
+    (lambda: metals.indices_of(3, 1, "x"), "metal = 3: must be a lamina.Conductor or lamina.Flakes"),
+    (lambda: metals.indices_of(metals.conductor("gold"), 0, "x"), "channels = 0: must be a whole number from 1 to"),
+    (lambda: metals.indices_of(lamina.Conductor(facing="red", grazing=0.9), 3, "base"), "base.facing = 'red': must be"),
+])
+def test_bad_numbers_of_metals(call, says):
+    with pytest.raises(ValueError, match=f"^{says}"):
+        call()
+
+
+def test_the_ends_of_fresnels_law():
+    assert metals.reflectance(0.0, 0.2, 3.0) == pytest.approx(1.0)
+    assert metals.reflectance(1.0, 0.0, 0.0) == pytest.approx(1.0)
+    assert metals.reflectance(0.5, 1.0, 0.0) == 0.0
+
+
 def test_stacks_with_indices_keep_their_meaning():
     """A stack that was saved with indices at three wavelengths is read as before."""
     base = {"kind": "conductor", "eta": [0.2141, 0.4547, 1.332], "k": [3.251, 2.406, 1.869], "alpha": 0.1}

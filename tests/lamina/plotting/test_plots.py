@@ -107,6 +107,8 @@ def test_a_preset_and_given_axes():
     (lambda: plot.table(PAINT), "lut = .*: must be a Lut"),
     (lambda: plot.table(both(PAINT)[1], side="bottom"), "side = 'bottom': must be 'top'"),
     (lambda: plot.lobes(both(PAINT)[0], ax=matplotlib.pyplot.subplot()), "ax = .*: must be polar axes"),
+    (lambda: plot.albedos(both(PAINT)[0], ax=5), "ax = 5: must be rectangular axes of matplotlib"),
+    (lambda: plot.lobes(both(PAINT)[0], mu_o=[]), "mu_o = \\[\\]: must hold a cosine"),
 ])
 def test_bad_arguments(call, words):
     with pytest.raises(ArgumentError, match=words):
