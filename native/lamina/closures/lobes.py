@@ -17,17 +17,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..common.arguments import check_kind
+from ..common.arguments import check_field, check_kind, check_number, cosines, finite_array
 from ..common.errors import ArgumentError, UnknownName, quoted
+from ..kinds.fields import Field
 from . import following_lobes, moving_lobes, oriented_lobes
 from .lobe import GEOMETRIC, Cone, Geometry, Lobe, NodeRecipe, Normal, number
 from .microfacet_lobes import beckmann, fresnel_ggx, ggx, halo, mirror
 from .through_lobes import through
 
+SIZE, SMOOTH = Field("size", 0.0, 1.0), Field("smooth", 0.0, 1.0)
+SIGMA = Field("sigma", 0.0, 1.0, above=True)
+
 
 def _normal_suffix(normal: Normal) -> str:
-    if isinstance(normal, tuple):
-        return f"_tilt{number(normal[1])}"
+    if isinstance(normal, tuple) and len(normal) == 2 and normal[0] in ("tilt", "lean"):
+        angle = check_number(normal[1], f"normal[{quoted(normal[0])}]", "must be a finite number", math.isfinite)
+        return f"_tilt{number(angle)}"
     suffixes = {"N": "", "I": "_i", "N+I": "_h"}
     if not isinstance(normal, str) or normal not in suffixes:
         raise ArgumentError(f"normal = {quoted(normal)}: must be one of {', '.join(suffixes)}, or a pair of a text and "
@@ -91,7 +96,9 @@ def _toon_cone(size: float, smooth: float) -> Cone | None:
 
 
 def toon(size: float, smooth: float, normal: Normal = GEOMETRIC, name: str = "") -> Lobe:
-    """Toon BSDF, component Diffuse: a soft cone about a normal, independent of the view."""
+    """Toon BSDF, component Diffuse: a soft cone about a normal, independent of the view. `size` and `smooth` lie in
+    [0, 1]. Raises ArgumentError."""
+    size, smooth = check_field(size, SIZE), check_field(smooth, SMOOTH)
 
     def evaluate(mu_o, mu_i, dphi):
         return _toon(Geometry(mu_o, mu_i, dphi).along(normal), size, smooth)
@@ -108,7 +115,9 @@ def toon(size: float, smooth: float, normal: Normal = GEOMETRIC, name: str = "")
 
 
 def toon_glossy(size: float, smooth: float) -> Lobe:
-    """Toon BSDF, component Glossy: a soft cone about the mirror direction."""
+    """Toon BSDF, component Glossy: a soft cone about the mirror direction. `size` and `smooth` lie in [0, 1]. Raises
+    ArgumentError."""
+    size, smooth = check_field(size, SIZE), check_field(smooth, SMOOTH)
 
     def evaluate(mu_o, mu_i, dphi):
         return _toon(_along_mirror(mu_o, mu_i, dphi), size, smooth)
@@ -126,7 +135,9 @@ def toon_glossy(size: float, smooth: float) -> Lobe:
 
 
 def sheen_ashikhmin(sigma: float) -> Lobe:
-    """Sheen BSDF, distribution Ashikhmin: an inverted Gaussian of half vectors with a V-groove."""
+    """Sheen BSDF, distribution Ashikhmin: an inverted Gaussian of half vectors with a V-groove. `sigma` lies in (0, 1].
+    Raises ArgumentError."""
+    sigma = check_field(sigma, SIGMA)
 
     def evaluate(mu_o, mu_i, dphi):
         g = Geometry(mu_o, mu_i, dphi)
@@ -300,12 +311,14 @@ def directional_albedo(lobe: Lobe, mu_o, nodes: tuple[int, int] = (96, 64)) -> n
     """Integral of `evaluate` over the light's hemisphere, shape of `mu_o`.
 
     `nodes`: numbers of nodes in theta (Gauss) and in dphi (midpoint). The default is accurate to 3e-4 for every closure
-    of the dictionary; their kinks need more nodes than a scattering function.
+    of the dictionary; their kinks need more nodes than a scattering function. `mu_o`: cosines in (0, 1]. Raises
+    ArgumentError.
     """
     check_kind(lobe, "lobe", Lobe, "a lamina.lobes.Lobe")
     x, w = _gauss(nodes[0])
     theta = (x + 1.0) * np.pi / 4
     dphi = (np.arange(nodes[1]) + 0.5) * np.pi / nodes[1]
-    mu_o = np.asarray(mu_o, float)
+    mu_o = finite_array(mu_o, "mu_o")
+    cosines(mu_o, "mu_o")  # checks them
     value = lobe.evaluate(mu_o[..., None, None], np.cos(theta)[:, None], dphi)
     return (value.mean(axis=-1) * (w * np.sin(theta))).sum(axis=-1) * np.pi**2 / 2

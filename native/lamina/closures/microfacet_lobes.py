@@ -8,11 +8,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.arguments import check_field
 from ..common.fresnel import fresnel
+from ..kinds.fields import Field
 from .lobe import ASIDE, INCOMING, Geometry, Lobe, NodeRecipe, number
 
 # Cycles limits the Anisotropy of a Glossy BSDF to this.
 MOST_ANISOTROPY = 0.99
+ROUGHNESS = Field("roughness", 0.0, 1.0, above=True)
+ANISOTROPY = Field("anisotropy", -MOST_ANISOTROPY, MOST_ANISOTROPY)
+IOR = Field("ior", 0.0, 100.0, above=True)
+SHARP = Field("roughness", 0.0, 1.0)
 
 
 def _smith_lambda(x, y, z, alpha_x, alpha_y):
@@ -59,11 +65,12 @@ def widths(roughness, anisotropy):
 
 
 def ggx(roughness: float, anisotropy: float = 0.0, name: str = "") -> Lobe:
-    """Glossy BSDF, distribution GGX (never Multiscatter), without Fresnel.
+    """Glossy BSDF, distribution GGX (never Multiscatter), without Fresnel; `roughness` in (0, 1].
 
-    Positive `anisotropy` makes it narrow in the plane of incidence and wide across it: the tangent is
-    the incoming direction, so the lobe turns with the viewer.
+    Positive `anisotropy`, of [-0.99, 0.99], makes it narrow in the plane of incidence and wide across it: the tangent
+    is the incoming direction, so the lobe turns with the viewer. Raises ArgumentError.
     """
+    roughness, anisotropy = check_field(roughness, ROUGHNESS), check_field(anisotropy, ANISOTROPY)
     alpha_x, alpha_y = widths(roughness, anisotropy)
 
     def evaluate(mu_o, mu_i, dphi):
@@ -113,8 +120,9 @@ def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
 
     F depends on half the scattering angle alone. The node is a Principled BSDF in which all layers except the specular
     one are black. The weight is the tint of a coat of index 1 seen along its own normal, a linear factor without an
-    upper limit.
+    upper limit. `ior` lies in (0, 100], `roughness` in (0, 1]. Raises ArgumentError.
     """
+    ior, roughness = check_field(ior, IOR), check_field(roughness, ROUGHNESS)
     alpha = roughness**2
     normal_reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2
 
@@ -140,7 +148,9 @@ def fresnel_ggx(ior: float, roughness: float = 1.0, name: str = "") -> Lobe:
 
 
 def beckmann(roughness: float, name: str = "") -> Lobe:
-    """Glossy BSDF, distribution Beckmann, without Fresnel; Lambda by Walter's rational fit (2007), as in Cycles."""
+    """Glossy BSDF, distribution Beckmann, without Fresnel; Lambda by Walter's rational fit (2007), as in Cycles.
+    `roughness` lies in (0, 1]. Raises ArgumentError."""
+    roughness = check_field(roughness, ROUGHNESS)
     alpha = roughness**2
 
     def evaluate(mu_o, mu_i, dphi):
@@ -165,7 +175,9 @@ def _beckmann_lambda(cosine, alpha: float):
 
 
 def mirror(roughness: float) -> NodeRecipe:
-    """Recipe of the closure for specular reflection: Glossy GGX, sharp at roughness 0."""
+    """Recipe of the closure for specular reflection: Glossy GGX of roughness [0, 1], sharp at 0. Raises
+    ArgumentError."""
+    roughness = check_field(roughness, SHARP)
     return NodeRecipe(
         "ShaderNodeBsdfAnisotropic", inputs={"Roughness": roughness, "Anisotropy": 0.0}, enums={"distribution": "GGX"}
     )

@@ -10,14 +10,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.arguments import check_field
+from ..kinds.fields import Field
 from .lobe import Geometry, Lobe, NodeRecipe, number
+
+RANGES = (Field("along", 0.0, 1.0, above=True), Field("across", 0.0, 1.0, above=True), Field("lean", 0.0, 1.0))
 
 
 def through(along: float, across: float, lean: float = 0.0) -> Lobe:
     """Hair BSDF, component Transmission, about the direction that lies the share `lean` of the view angle away from
     -I, towards -N: 0 is straight through, 1 along the normal.
 
-    Its widths are 2 `along` in the plane of incidence and `across` out of it, both at most 1: Cycles clamps them."""
+    Its widths are 2 `along` in the plane of incidence and `across` out of it; `along` and `across` lie in (0, 1], to
+    which Cycles clamps them, and `lean` in [0, 1]. Raises ArgumentError."""
+    along, across, lean = (check_field(*one) for one in zip((along, across, lean), RANGES, strict=True))
 
     def evaluate(mu_o, mu_i, dphi):
         g = Geometry(mu_o, mu_i, dphi, below=True)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The closed forms of the closures, checked without Blender."""
 import json
+import math
 from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 
+import lamina
 from lamina import lobes
 from lamina.closures.lobe import Geometry
 
@@ -130,6 +132,34 @@ def test_normals_that_cannot_be(normal):
     for call in (lobes.diffuse, lobes.translucent):
         with pytest.raises(ValueError, match="^normal = .*: must be one of N, I, N"):
             call(normal)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [None, "x", [0.5, 0.6], math.nan, math.inf, -1.5, 1e308, True])
+def test_shapes_that_cannot_be(value):
+    for name, call in (("roughness", lobes.ggx), ("roughness", lobes.beckmann), ("roughness", lobes.mirror),
+                       ("anisotropy", lambda one: lobes.ggx(0.5, one)), ("ior", lobes.fresnel_ggx),
+                       ("roughness", lambda one: lobes.fresnel_ggx(1.5, one)),
+                       ("size", lambda one: lobes.toon(one, 0.1)), ("smooth", lambda one: lobes.toon(0.1, one)),
+                       ("size", lambda one: lobes.toon_glossy(one, 0.1)),
+                       ("smooth", lambda one: lobes.toon_glossy(0.1, one)), ("sigma", lobes.sheen_ashikhmin),
+                       ("along", lambda one: lobes.through(one, 0.1)), ("across", lambda one: lobes.through(0.1, one)),
+                       ("lean", lambda one: lobes.through(0.1, 0.1, one))):
+        with pytest.raises(lamina.ArgumentError, match=f"^{name} = .*: must lie in "):
+            call(value)
+
+
+@pytest.mark.parametrize("normal", [("tilt", "x"), ("tilt", math.nan), ("lean", None), ("tilt",), ("x", 1.0)])
+def test_turned_normals_that_cannot_be(normal):
+    for call in (lobes.diffuse, lobes.translucent, lambda one: lobes.toon(0.1, 0.1, one)):
+        with pytest.raises(lamina.ArgumentError, match="^normal"):
+            call(normal)
+
+
+def test_cosines_of_an_albedo_that_cannot_be():
+    for mu, words in ((math.nan, "holds a value that is not"), (2.0, "= 2: must lie in"), ("x", "= 'x': must be")):
+        with pytest.raises(lamina.ArgumentError, match=f"^mu_o {words}"):
+            lobes.directional_albedo(lobes.diffuse(), mu)
 
 
 def test_only_a_lobe_has_an_albedo():
