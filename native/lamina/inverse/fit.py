@@ -35,10 +35,10 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, t
 
     Each measurement is a Brdf, Btdf, Reflectance, Transmittance or Profile of lamina.measurements, with as many
     channels as the template has. The search begins at the starting values of the template. Where its end does not
-    describe the data, it begins again at the best of many points that are spread over the ranges, up to three times,
-    and the best end is returned. `threads` 0 uses every hardware thread; the result does not depend on it.
-    `progress(fraction, text)` is called with a share that only rises, 0 to 1. `cancel()` is called often; Cancelled is
-    raised if it returns true.
+    describe the data, or lies at the end of a range with a probability below 5 %, it begins again at the best of many
+    points that are spread over the ranges, up to three times, and the best end is returned. `threads` 0 uses every
+    hardware thread; the result does not depend on it. `progress(fraction, text)` is called with a share that only
+    rises, 0 to 1. `cancel()` is called often; Cancelled is raised if it returns true.
 
     Raises ArgumentError for arguments that do not fit together, StackError for parameters that make no stack,
     SolveError as lamina.solve does, and ExtraMissing without scipy.
@@ -53,11 +53,11 @@ def fit(measurements: Measurement | Sequence[Measurement], template: Template, t
     model = Model(measurements, template, threads, stepper("the fit", progress, cancel))
     model.begin()
     end = _settled(optimize.least_squares, model, model.start, "dogbox")
-    if is_surprising(model, end.chi_squared):
+    if is_surprising(model, end.x, end.chi_squared):
         for start in _best_starts(model):
             other = _settled(optimize.least_squares, model, start, "trf")
             end = min(end, other, key=lambda one: one.chi_squared)
-            if not is_surprising(model, end.chi_squared):
+            if not is_surprising(model, end.x, end.chi_squared):
                 break
         model.correct(end.x)
     found = judged(model, end.x, end.settled, time.perf_counter() - began)

@@ -20,6 +20,7 @@ CLOSE = 0.98  # of a correlation: two parameters can hardly be told apart
 AT_END = 1e-4  # of a range
 # Probabilities of chi-squared that are surprising.
 WRONG, TOO_GOOD = 1e-3, 1.0 - 1e-3
+DOUBTFUL = 0.05  # of chi-squared at the end of a range
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,9 +93,16 @@ def judged(model: Model, x: np.ndarray, settled: bool, seconds: float) -> Fit:
                tuple(remarks), list(model.measurements), model.solver.solves, seconds)
 
 
-def is_surprising(model: Model, chi_squared: float) -> bool:
-    """True if so large a chi-squared has no chance with the right template at its best parameters."""
-    return _probability(chi_squared, max(model.count - len(model.start), 1)) < WRONG
+def is_surprising(model: Model, x: np.ndarray, chi_squared: float) -> bool:
+    """True if so large a chi-squared has no chance with the right template at its best parameters, or little where a
+    parameter lies at an end of its range, into which a search may have been led."""
+    led = float(np.min(_room(model, x))) < AT_END
+    return _probability(chi_squared, max(model.count - len(model.start), 1)) < (DOUBTFUL if led else WRONG)
+
+
+def _room(model: Model, x: np.ndarray) -> np.ndarray:
+    """The distance of each parameter from the nearer end of its range, as a share of the range."""
+    return np.minimum(x - model.low, model.high - x) / (model.high - model.low)
 
 
 def _probability(chi_squared: float, degrees: int) -> float:
@@ -117,8 +125,8 @@ def _covariance(jacobian: np.ndarray, span: np.ndarray) -> tuple[np.ndarray, lis
 
 def _ends(model: Model, x: np.ndarray) -> list[str]:
     found = []
-    for name, value, low, high in zip(model.names, x, model.low, model.high, strict=True):
-        if min(value - low, high - value) < AT_END * (high - low):
+    for name, value, low, high, room in zip(model.names, x, model.low, model.high, _room(model, x), strict=True):
+        if room < AT_END:
             end = low if value - low < high - value else high
             found.append(f"{name} lies at the end of its range, {end:g}, so its standard error and those of the others "
                          "may be wrong.")

@@ -130,6 +130,24 @@ def test_a_second_search_leaves_a_bad_start():
     assert list(fit.values.values()) == pytest.approx([0.9, 5.0, 0.1], rel=2e-3), fit
 
 
+LOW, HIGH = [[0.1], [0.1], [0.0]], [[1.0], [1.0], [np.pi]]  # of both cosines and the azimuth
+
+
+def test_a_second_search_leaves_a_corner():
+    """The first search ends with a thickness of 8 over a black base, with a probability of .7 %."""
+    random = np.random.default_rng(9)
+    for _ in range(24):
+        albedo, base = random.uniform(0.3, 0.98, 2)
+        tau, g = random.uniform(0.2, 3.0), random.uniform(-0.3, 0.8)
+        places = dict(zip(("mu_o", "mu_i", "dphi"), random.uniform(LOW, HIGH, (3, 60)), strict=True))
+        noise = random.standard_normal((60, 1))
+    exact = lamina.solve(Stack(slab(albedo, g, tau), Lambert(base))).brdf(**places)
+    measured = Brdf(values=exact * (1.0 + 0.01 * noise), relative=0.01, **places)
+    free = slab(Free(0.1, 0.0, 1.0), Free(-0.4, -0.5, 0.95), Free(10.0, 0.05, 20.0, "tau"))
+    fit = lamina.fit(measured, Template(free, Lambert(Free(0.05, 0.0, 1.0))))
+    assert fit.chi_squared <= np.sum(noise**2) and abs(fit.values["tau"] - tau) < 4.0 * fit.errors["tau"]
+
+
 def test_the_end_of_a_range_is_named():
     solved = lamina.solve(Stack(slab(0.9, 0.0, 1.0)))
     mu = np.array([0.2, 0.5, 0.9])
