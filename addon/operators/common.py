@@ -33,17 +33,20 @@ def listed(pattern):
     )
 
 
-def show_layers(context):
+def show_layers(operator, context):
     """Bake the changed layers of the material and show them: connects the material's node group, whose tables
     the bake replaces. In a window, the bake runs beside the artist's work, and its own operator reports a
-    failure. While another bake runs, the layers wait for their update. Returns what the calling operator
-    returns."""
+    failure; `operator` reports one before the start. While another bake runs, the layers wait for their
+    update. Returns what the calling operator returns."""
     material = material_of(context)
     if material.lamina.node_group is not None and not node_group.is_connected(material):
         node_group.connect(material)
     with context.temp_override(material=material):
         if bpy.ops.lamina.bake.poll():
-            bpy.ops.lamina.bake("INVOKE_DEFAULT")
+            try:
+                bpy.ops.lamina.bake("INVOKE_DEFAULT")
+            except RuntimeError as error:  # Blender raises what the inner operator reports
+                operator.report({"ERROR"}, messages.reported(error))
     return {"FINISHED"}
 
 

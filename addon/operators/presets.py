@@ -55,7 +55,7 @@ class LAMINA_OT_preset_apply(bpy.types.Operator):
         """A click: apply the preset, bake and show it. Scripts, which execute, bake themselves."""
         if self.execute(context) == {"CANCELLED"}:
             return {"CANCELLED"}
-        return common.show_layers(context)
+        return common.show_layers(self, context)
 
     def execute(self, context):
         material = common.material_of(context)

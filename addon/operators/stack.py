@@ -64,7 +64,7 @@ class LAMINA_OT_add_over(bpy.types.Operator):
             over_material.add(material, self.keep_shader if is_chosen else None)
         except RefusedError as error:
             return common.refused(self, error)
-        return common.show_layers(context)
+        return common.show_layers(self, context)
 
 
 class LAMINA_OT_add_stack(bpy.types.Operator):
@@ -85,7 +85,7 @@ class LAMINA_OT_add_stack(bpy.types.Operator):
     def invoke(self, context, _event):
         """A click: add the layers and show them. Scripts, which execute, bake themselves."""
         self.execute(context)
-        return common.show_layers(context)
+        return common.show_layers(self, context)
 
     def execute(self, context):
         layer_list.add_stack(common.material_of(context))
@@ -111,7 +111,7 @@ class LAMINA_OT_read_again(bpy.types.Operator):
             over_material.read_again(material)
         except RefusedError as error:
             return common.refused(self, error)
-        return common.show_layers(context)
+        return common.show_layers(self, context)
 
 
 class LAMINA_OT_remove_stack(bpy.types.Operator):

@@ -366,3 +366,16 @@ def test_edits_of_the_replaced_shader_are_told_and_read_again(addon, lamina, cal
     assert call(bpy.ops.lamina.remove_stack, material) == {"FINISHED"}
     assert surface_source(material) == shader
     assert not any("Lamina" in one.label for one in tree.nodes)
+
+
+def test_read_again_below_layers_that_cannot_be_baked_is_one_sentence(addon, lamina, call):
+    material = bpy.data.materials.new("Painted")
+    shader = addon.nodes.node_tree.of(material).nodes["Principled BSDF"]
+    assert call(bpy.ops.lamina.add_over, material) == {"FINISHED"}
+    call(bpy.ops.lamina.layer_add, material, kind="film")
+    shader.inputs["IOR"].default_value = 1.7
+    with pytest.raises(RuntimeError, match="^Error: Layer 1 “Thin Film”, kind") as refused:
+        call(bpy.ops.lamina.read_again, material)
+    assert "Traceback" not in str(refused.value)
+    assert addon.editing.stack_io.to_dict(material)["base"]["ior"] == pytest.approx(1.7)
+    assert addon.baking.bake_job.failure(material)
