@@ -173,11 +173,15 @@ def _uid(material):
 def choose_storage(context, obj, objects=()):
     """Keep the dust in an image where an attribute is too coarse, and no other object shares a material.
     A material reads one image, so objects that share it, and are dusty or among `objects`, get attributes.
-    Returns what was before: (the object's uid, target, UV map, True if it had the map of `unwrap`)."""
+    Those of `objects` that lack a material share the new one. Returns what was before: (the object's uid,
+    target, UV map, True if it had the map of `unwrap`)."""
     settings = obj.lamina_dust
     before = obj.session_uid, settings.target, settings.uv_map, unwrap.NAME in obj.data.uv_layers
-    sharing = {one for material in dust_layers.materials_of(obj) if material is not None
-               for one in dust_layers.users(material)} - {obj}
+    materials = dust_layers.materials_of(obj)
+    sharing = {one for material in materials if material is not None for one in dust_layers.users(material)}
+    if None in materials:
+        sharing |= {one for one in objects if None in dust_layers.materials_of(one)}
+    sharing.discard(obj)
     if any(one.lamina_dust.told or one in objects for one in sharing):
         settings.target = "attribute"
     elif not sharing and object_dust.advice(obj, obj.evaluated_get(context.evaluated_depsgraph_get())):
@@ -315,8 +319,10 @@ def _sorted(tasks, answers):
 
 def _fill_slots(obj, new):
     """Give faces without a material the new one."""
-    if new is None:
+    if new is None or None not in dust_layers.materials_of(obj):
         return
+    if obj.data.users > 1:  # other objects with the mesh stay as they are
+        obj.data = obj.data.copy()
     if not obj.material_slots:
         obj.data.materials.append(new)
     for slot in obj.material_slots:

@@ -312,3 +312,26 @@ def test_a_cancel_changes_nothing(lamina, dusting, scene, known_tables):
     assert {**serialised_tree.of_file(), "images": []} == before
     assert not any(one.lamina.enabled for one in bpy.data.materials) and len(bpy.data.materials) == 2
     assert scene[2].lamina_dust.target == "attribute" and not scene[2].data.uv_layers
+
+
+def test_objects_without_a_material_share_a_new_one_and_so_get_attributes(addon, dusting, scene):
+    """One material cannot read the images of several objects."""
+    bare = [scene[3], new_object("Other", (12, 0, 0))]
+    for obj in bare:
+        obj.modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    dusting.dust(bpy.context, bare)
+    assert bare[0].material_slots[0].material == bare[1].material_slots[0].material
+    for obj in bare:
+        assert obj.lamina_dust.target == "attribute" and top(obj) > 0.0
+        assert addon.ui.settled_fields.mismatch(obj.material_slots[0].material, obj.lamina_dust) == ""
+
+
+@pytest.mark.parametrize("target", ["attribute", "image"])
+def test_another_object_with_the_mesh_gets_no_material(dusting, scene, target):
+    obj = scene[3]
+    twin = new_object("Twin", (12, 0, 0), mesh=obj.data)
+    obj.lamina_dust.target, obj.lamina_dust.size = target, 64
+    dusting.dust(bpy.context, [obj])
+    assert obj.material_slots[0].material is not None and not twin.material_slots
+    dusting.remove([obj])
+    assert not bpy.data.materials.get("Material") and not twin.material_slots
