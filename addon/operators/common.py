@@ -135,7 +135,8 @@ def can_dust_objects(cls):
 
 def has_dust(cls, context):
     obj = context.object
-    if obj is None or obj.type != "MESH" or not obj.is_editable or not obj.lamina_dust.told:
+    is_ours = obj is not None and obj.type == "MESH" and obj.is_editable and obj.data.is_editable
+    if not is_ours or not obj.lamina_dust.told:
         cls.poll_message_set("There is no dust on the active object")
         return False
     return True

@@ -268,9 +268,7 @@ def finish(gathered, found):
     settled; then nothing has changed."""
     luts, answers = found
     notes, new = list(gathered.notes), None
-    settled, failed = _sorted(gathered.tasks, answers)
-    if failed and not settled:
-        raise RefusedError(failed[0][1])
+    settled, failed = answered(gathered.tasks, answers)
     dusty = {_uid(one) for obj, *_ in settled for one in dust_layers.materials_of(obj)}
     bare = {_uid(one) for obj, _ in failed for one in dust_layers.materials_of(obj)} - dusty
     for uid, bake in gathered.bakes.items():
@@ -305,15 +303,25 @@ def finish(gathered, found):
     return Done(done, len(luts), list(dict.fromkeys(notes)), gathered.shapes)
 
 
-def _sorted(tasks, answers):
-    """([(object, Task, Answer)], [(object, sentence on why no dust has settled)])."""
+def answered(tasks, answers):
+    """([(object, Task, Answer)], [(object, sentence on why it gets no dust)]). Raises RefusedError if none
+    gets dust."""
     by_uid, settled, failed = {obj.session_uid: obj for obj in bpy.data.objects}, [], []
     for task, answer in zip(tasks, answers, strict=True):
         obj = by_uid.get(task.uid)
-        if obj is not None and isinstance(answer, Exception):
+        if obj is None:
+            continue
+        if isinstance(answer, Exception):
             failed.append((obj, f"{task.name}: {messages.sentence(answer)}"))
-        elif obj is not None:
+            continue
+        try:
+            object_dust.check_mesh(obj, task)
+        except RefusedError as error:
+            failed.append((obj, str(error)))
+        else:
             settled.append((obj, task, answer))
+    if failed and not settled:
+        raise RefusedError(failed[0][1])
     return settled, failed
 
 

@@ -17,20 +17,20 @@ ALIKE = 0.1  # largest difference of the cosines of normals
 def check_names(mesh):
     """Raises RefusedError if an attribute of another kind has one of our names."""
     for name in (ATTRIBUTE, BACK_ATTRIBUTE):
-        attribute = mesh.attributes.get(name)
-        if attribute is None:
-            continue
-        if attribute.data_type != "FLOAT" or attribute.domain not in ("POINT", "CORNER"):
+        if name in mesh.attributes and not _is_ours(mesh.attributes[name]):
             text = f"{mesh.name} has another kind of attribute named {name}: rename or remove it"
             raise RefusedError(text)
 
 
 def remove(mesh):
-    """Remove the dust. Raises RefusedError if an attribute of another kind has one of our names."""
-    check_names(mesh)
+    """Remove the dust. Attributes of another kind that have one of our names stay."""
     for name in (ATTRIBUTE, BACK_ATTRIBUTE):
-        if name in mesh.attributes:
+        if name in mesh.attributes and _is_ours(mesh.attributes[name]):
             mesh.attributes.remove(mesh.attributes[name])
+
+
+def _is_ours(attribute):
+    return attribute.data_type == "FLOAT" and attribute.domain in ("POINT", "CORNER")
 
 
 def write(mesh, surface, own, dust):

@@ -205,10 +205,9 @@ def apply(obj, task, answer):
     """Store an Answer on its object, and link the thickness of its materials to it if nothing else is linked.
     The first dust of a material also gets grain and clouds, see dust_detail. Returns a sentence on each
     material that goes on reading an image of the artist's.
-    Raises RefusedError if the mesh has changed meanwhile.
+    Raises RefusedError as `check_mesh` does.
     """
-    if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
-        raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
+    check_mesh(obj, task)
     if not task.size:
         if obj.data.users > 1:  # dust depends on the object's transformation, so a shared mesh is copied
                                 # first
@@ -246,6 +245,15 @@ def apply(obj, task, answer):
         if linked == "value" or detail_wiring.detail(material) is not None:
             detail_wiring.add_settled_detail(material)
     return unread
+
+
+def check_mesh(obj, task):
+    """Raises RefusedError if the mesh has changed since `gather`, or cannot hold the dust of a Task now."""
+    if (len(obj.data.vertices), len(obj.data.loops)) != (len(task.own.vertices), len(task.own.corners)):
+        raise RefusedError(f"{obj.name} has been edited while dust settled: let it settle again")
+    if not task.size:
+        editable.require_no_edit_mode(obj)
+        dust_attribute.check_names(obj.data)
 
 
 def _painted(material):

@@ -72,3 +72,14 @@ def test_an_object_that_is_gone_is_passed_over(dust, addon):
     addon.settling.dust_job.start(bpy.context, [plate])
     bpy.data.objects.remove(plate)
     assert finish(addon).finish() == []
+
+
+def test_a_mesh_that_is_being_edited_at_the_end_is_left_alone(dust, addon):
+    plate = grid()
+    addon.settling.dust_job.start(bpy.context, [plate])
+    bpy.context.view_layer.objects.active = plate
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(addon.base.messages.RefusedError, match="Plate is being edited: leave Edit Mode"):
+        finish(addon).finish()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert NAME not in plate.data.attributes and plate.lamina_dust.told == ""

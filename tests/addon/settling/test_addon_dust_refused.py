@@ -75,3 +75,36 @@ def test_a_uv_map_beyond_the_image_is_told(dust, lamina):
         loop.vector = (2.0 * loop.vector[0] - 2.0, loop.vector[1])
     dust.settle(bpy.context, plate)
     assert "50 % of the surface is unwrapped beyond the image (u from 0 to 2" in plate.lamina_dust.told
+
+
+def test_what_the_artist_made_of_the_dust_stays(dust, addon, material, call):
+    """An attribute of another kind is the artist's: it stops no removal."""
+    plate = grid(material=material)
+    bpy.context.view_layer.objects.active = plate
+    for name in ("clear", "objects", "stack"):
+        addon.scene.dusting.dust(bpy.context, [plate])
+        attribute = plate.data.attributes
+        attribute.remove(attribute[NAME])
+        attribute.new(NAME, "FLOAT", "FACE")
+        if name == "clear":
+            assert bpy.ops.lamina.dust_clear() == {"FINISHED"}
+        elif name == "objects":
+            assert bpy.ops.lamina.dust_objects_remove(which="SCENE") == {"FINISHED"}
+        else:
+            assert call(bpy.ops.lamina.remove_stack, material) == {"FINISHED"}
+            assert not material.lamina.enabled
+        assert plate.lamina_dust.told == "" and attribute[NAME].domain == "FACE"
+        attribute.remove(attribute[NAME])
+
+
+def test_dust_of_a_linked_mesh_is_not_cleared(dust, addon, tmp_path):
+    dust.settle(bpy.context, grid())
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.objects = ["Plate"]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    plate = wanted.objects[0].override_create(remap_local_usages=True)
+    assert plate.is_editable and plate.lamina_dust.told
+    with bpy.context.temp_override(object=plate):
+        assert not bpy.ops.lamina.dust_clear.poll()

@@ -335,3 +335,15 @@ def test_another_object_with_the_mesh_gets_no_material(dusting, scene, target):
     assert obj.material_slots[0].material is not None and not twin.material_slots
     dusting.remove([obj])
     assert not bpy.data.materials.get("Material") and not twin.material_slots
+
+
+def test_a_mesh_that_is_being_edited_at_the_end_keeps_its_material(addon, dusting, scene):
+    job = dusting.start(bpy.context, scene[1:3])
+    job.wait(60.0)
+    addon.settling.dust_job.forget()
+    bpy.context.view_layer.objects.active = scene[2]
+    bpy.ops.object.mode_set(mode="EDIT")
+    done = job.finish()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert done.objects == [scene[1]] and "C is being edited: leave Edit Mode" in done.notes
+    assert scene[1].active_material.lamina.enabled and not scene[2].active_material.lamina.enabled
