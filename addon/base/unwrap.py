@@ -24,9 +24,7 @@ def ensure(obj):
     layer = mesh.uv_layers.get(NAME)
     if layer is not None and mesh.polygons and fits(mesh):
         return NAME
-    if not mesh.polygons:
-        raise RefusedError(f"{obj.name} has no faces that could be unwrapped")
-    editable.require_no_edit_mode(obj)
+    check(obj)
     corners = _projected(mesh)
     layer = mesh.uv_layers.get(NAME) or mesh.uv_layers.new(name=NAME, do_init=False)
     if layer is None or len(corners) != 2 * len(mesh.loops):
@@ -34,6 +32,15 @@ def ensure(obj):
     layer.uv.foreach_set("vector", corners)
     mesh.update()
     return layer.name
+
+
+def check(obj):
+    """Raises RefusedError if the mesh of an object cannot be unwrapped now."""
+    if not obj.data.is_editable:
+        raise RefusedError(f"{obj.name} is linked from another file: edit it there, or make it local")
+    if not obj.data.polygons:
+        raise RefusedError(f"{obj.name} has no faces that could be unwrapped")
+    editable.require_no_edit_mode(obj)
 
 
 def copying_modifier(obj):

@@ -141,6 +141,8 @@ class LAMINA_OT_dust_wipe(bpy.types.Operator):
 
     def execute(self, context):
         try:
+            if self.paint:
+                wiping.require_shown(context.object)
             kept, image = wiping.add_mask(context.object, common.material_of(context), self.kept)
         except RefusedError as error:
             return common.refused(self, error)
@@ -196,7 +198,10 @@ class LAMINA_OT_film_paint(bpy.types.Operator):
 
     def execute(self, context):
         image = thickness.wiring(common.material_of(context), COVERAGE).node.image
-        wiping.start_painting(context, context.object, "image", image)
+        try:
+            wiping.start_painting(context, context.object, "image", image)
+        except RefusedError as error:
+            return common.refused(self, error)
         self.report({"INFO"}, "White puts the film on, black takes it off (X swaps the brush's colors)")
         return {"FINISHED"}
 

@@ -132,8 +132,7 @@ def gather(context, material, choice):
             raise RefusedError(WITHOUT)
         if obj.type != "MESH":
             raise RefusedError(rendered.to_convert(obj))
-        if place in (PAINTED, IMAGE):
-            editable.require_no_edit_mode(obj)
+        _check_mesh(obj, layer, place)
         if _needs_bake(material, layer, place):
             bakes[material.session_uid] = _bake(material, choice)
     if place == SETTLED:
@@ -142,6 +141,16 @@ def gather(context, material, choice):
             storage.append(dusting.choose_storage(context, obj))
             tasks = object_dust.gather_all(context, [obj])
     return dusting.Gathered(tasks, bakes, cover=lambda material: _vary(material, choice), storage=storage)
+
+
+def _check_mesh(obj, layer, place):
+    """Raises RefusedError, before anything changes, if the mesh cannot hold what this place needs."""
+    if place == PAINTED and layer.kind != "interface":
+        wiping.checked(obj)
+    elif place in (PAINTED, IMAGE) and uv_maps.find(obj.data, "") is None:
+        unwrap.check(obj)
+    elif place in (PAINTED, IMAGE):
+        editable.require_no_edit_mode(obj)
 
 
 def _finish(material, choice, gathered, found):
@@ -154,6 +163,9 @@ def _finish(material, choice, gathered, found):
         raise RefusedError("The object was removed meanwhile")
     if layer.kind not in INPUTS:  # a thin film, which is always even
         return _SAME
+    if choice.place != EVEN:
+        _check_mesh(_object(choice), layer, choice.place)
+    dusting.answered(gathered.tasks, found[1])
     before = thickness.wiring(material, INPUTS[layer.kind]).source
     _keep(material, layer)
     if choice.place == SETTLED and before == "custom":

@@ -28,15 +28,9 @@ def store(obj):
 def add_mask(obj, material, kept="AUTO"):
     """Make an empty mask of `obj`, and let `material` remove its varying layer where the mask is white.
     `kept`: "attribute", "image", or "AUTO" for the result of `store`. A mask that the material reads already
-    is kept. Returns ("attribute" or "image", image or None). Raises RefusedError."""
-    if obj.type != "MESH" or not obj.data.is_editable:
-        raise RefusedError("Dust is wiped off mesh objects of this file: select one")
-    editable.require_no_edit_mode(obj)
-    if kept == "AUTO":
-        kept = store(obj)
+    is kept. Returns ("attribute" or "image", image or None). Raises RefusedError, with nothing changed."""
+    kept = checked(obj, kept)
     uv_map = uv_maps.find(obj.data, "")
-    if kept == "image" and uv_map is None:
-        raise RefusedError(f"{uv_maps.missing(obj, '')}: unwrap it, or keep the mask in an attribute")
     to = detail_wiring.add_detail(material).inputs["Wiped"]
     before = to.links[0].from_node if to.is_linked else None
     if kept == "attribute":
@@ -55,8 +49,33 @@ def add_mask(obj, material, kept="AUTO"):
     return kept, node.image
 
 
+def checked(obj, kept="AUTO"):
+    """Where `add_mask` keeps the mask: "attribute" or "image". Raises RefusedError if `obj` cannot have it.
+    """
+    if obj.type != "MESH" or not obj.data.is_editable:
+        raise RefusedError("Dust is wiped off mesh objects of this file: select one")
+    editable.require_no_edit_mode(obj)
+    if kept == "AUTO":
+        kept = store(obj)
+    if kept == "image" and uv_maps.find(obj.data, "") is None:
+        raise RefusedError(f"{uv_maps.missing(obj, '')}: unwrap it, or keep the mask in an attribute")
+    mesh = obj.data
+    if kept == "attribute" and ATTRIBUTE in mesh.attributes and ATTRIBUTE not in mesh.color_attributes:
+        text = f"{mesh.name} has another kind of attribute named {ATTRIBUTE}: rename or remove it"
+        raise RefusedError(text)
+    return kept
+
+
+def require_shown(obj):
+    """Raises RefusedError if Blender refuses paint mode on the active object `obj`."""
+    if not bpy.ops.object.mode_set.poll():
+        raise RefusedError(f"{obj.name} is hidden in the viewport: show it to paint on it")
+
+
 def start_painting(context, obj, kept, image):
-    """Go to paint mode on the active object, with a white brush, and let solid views show the material."""
+    """Go to paint mode on the active object, with a white brush, and let solid views show the material.
+    Raises RefusedError as `require_shown` does, with nothing changed."""
+    require_shown(obj)
     for area in context.screen.areas if context.screen is not None else ():
         if area.type == "VIEW_3D" and area.spaces.active.shading.type in ("SOLID", "WIREFRAME"):
             area.spaces.active.shading.type = "MATERIAL"
@@ -72,13 +91,9 @@ def start_painting(context, obj, kept, image):
 
 
 def _color_attribute(mesh):
-    """The mask as the mesh's active color attribute, black if it is new. Raises RefusedError."""
-    found = mesh.attributes.get(ATTRIBUTE)
-    if found is None:
+    """The mask as the mesh's active color attribute, black if it is new."""
+    if ATTRIBUTE not in mesh.color_attributes:
         found = mesh.color_attributes.new(ATTRIBUTE, "FLOAT_COLOR", "POINT")
         black = np.tile(np.array([0.0, 0.0, 0.0, 1.0], np.float32), len(mesh.vertices))
         found.data.foreach_set("color", black)
-    elif ATTRIBUTE not in mesh.color_attributes:
-        text = f"{mesh.name} has another kind of attribute named {ATTRIBUTE}: rename or remove it"
-        raise RefusedError(text)
     mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]

@@ -311,3 +311,50 @@ def test_other_objects_with_the_material_are_named(place, plate, material, call)
     job.wait()
     said = job.finish()
     assert said.endswith("Table with this material: nothing has settled there yet, see Dust These Objects")
+
+
+def test_a_mesh_that_cannot_hold_the_place_changes_nothing(addon, place, plate, material, call):
+    while plate.data.uv_layers:
+        plate.data.uv_layers.remove(plate.data.uv_layers[0])
+    wiped = plate.data.attributes.new(addon.settling.wiping.ATTRIBUTE, "FLOAT", "POINT")
+    with pytest.raises(RuntimeError, match="another kind of attribute named lamina_wiped"):
+        choose(plate, call, "PAINTED")
+    plate.data.attributes.remove(wiped)
+    plate.data = bpy.data.meshes.new("Loose")
+    plate.data.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    plate.data.materials.append(material)
+    with pytest.raises(RuntimeError, match="has no faces that could be unwrapped"):
+        choose(plate, call, "IMAGE")
+    layer = material.lamina.layers[0]
+    assert not layer.varying and layer.tau == pytest.approx(0.3) and material.lamina.node_group is None
+    material.lamina.active_index = 0
+    addon.editing.layer_list.add_layer(material, "interface")
+    with pytest.raises(RuntimeError, match="has no faces that could be unwrapped"):
+        choose(plate, call, "PAINTED")
+    assert not material.lamina.layers[0].varying and material.lamina.node_group is None
+
+
+def test_edit_mode_at_the_end_of_a_job_changes_nothing(addon, place, plate, material, call):
+    choose(plate, call, "PAINTED")
+    choose(plate, call, "EVEN")
+    own = material.node_tree.nodes.new("ShaderNodeValue")
+    material.node_tree.links.new(own.outputs[0], socket(addon, material))
+    for name, words in (("SETTLED", "leave Edit Mode"), ("PAINTED", "leave Edit Mode")):
+        job = place.start(bpy.context, material, name)
+        job.wait(60.0)
+        addon.settling.dust_job.forget()
+        bpy.ops.object.mode_set(mode="EDIT")
+        with pytest.raises(addon.base.messages.RefusedError, match=words):
+            job.finish()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert addon.nodes.thickness.wiring(material).node == own and NAME not in plate.data.attributes
+
+
+def test_a_hidden_object_is_not_painted(addon, place, plate, material, call):
+    choose(plate, call, "IMAGE")
+    plate.hide_viewport = True
+    with bpy.context.temp_override(object=plate):
+        with pytest.raises(RuntimeError, match="^Error: Plate is hidden in the viewport: show it to paint on it"):
+            call(bpy.ops.lamina.dust_wipe, material)
+        assert addon.nodes.detail_wiring.mask(material) is None
+        assert call(bpy.ops.lamina.dust_wipe, material, paint=False) == {"FINISHED"}
