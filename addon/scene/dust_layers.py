@@ -89,14 +89,18 @@ def remove(objects, tell=print):
             cleared.add(obj)
     still = {slot.material for obj in bpy.data.objects if obj.type == "MESH" and obj.lamina_dust.told
              for slot in obj.material_slots}
+    # Grain has rest coordinates on all objects with its material.
+    resting = cleared.union(*(users(one) for one in materials.values()))
     for material in materials.values():
         if material not in still and editable.is_editable(material):
             try:
                 _take_away(material, cleared)
             except Exception as error:
                 tell(note(error, material))
-    for obj in cleared:
-        if not any(one is not None and rest_coordinates.is_read(one.node_tree) for one in materials_of(obj)):
+    for obj in resting:
+        is_ours = obj.type == "MESH" and obj.data.is_editable
+        read = any(one is not None and rest_coordinates.is_read(one.node_tree) for one in materials_of(obj))
+        if is_ours and not read:
             rest_coordinates.remove(obj.data)
     return len(cleared)
 

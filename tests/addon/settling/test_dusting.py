@@ -347,3 +347,10 @@ def test_a_mesh_that_is_being_edited_at_the_end_keeps_its_material(addon, dustin
     bpy.ops.object.mode_set(mode="OBJECT")
     assert done.objects == [scene[1]] and "C is being edited: leave Edit Mode" in done.notes
     assert scene[1].active_material.lamina.enabled and not scene[2].active_material.lamina.enabled
+
+
+def test_an_object_that_only_shares_the_material_keeps_no_rest_coordinates(dusting, scene):
+    dusting.dust(bpy.context, scene[:1])
+    assert "lamina_rest" in scene[1].data.attributes and not scene[1].lamina_dust.told
+    dusting.remove(scene)
+    assert not any("lamina_rest" in obj.data.attributes for obj in scene)
