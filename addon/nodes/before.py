@@ -66,7 +66,8 @@ def keep(material, target):
     """Keep what feeds `target`, an input of the material output, which Lamina is about to link.
 
     Nothing is kept where Lamina's own nodes feed the input, directly or through nodes of the artist."""
-    tree, own = material.node_tree, own_nodes.names_of(material)
+    tree = material.node_tree
+    own = own_nodes.names_of(material).union(node.name for node in own_nodes.around(material))
     fed = links.feed(target)
     if fed is None or any(node.name in own for node in links.upstream(fed.socket.node)):
         return
@@ -138,7 +139,7 @@ def restore(material):
     if tree is None:
         return
     own = own_nodes.names_of(material)
-    restored = _restore_links(tree, own)
+    restored = _restore_links(tree, own, own_nodes.around(material))
     output = tree.get_output_node("CYCLES")
     for name in (SURFACE, VOLUME):
         fed = kept(tree, name)
@@ -157,15 +158,17 @@ def restore(material):
         node_tree.switch_off(material)
 
 
-def _restore_links(tree, own):
-    """Link the targets of Lamina's shaders to what was there before. Returns the names of the kept inputs
-    that were used."""
+def _restore_links(tree, own, around):
+    """Link the targets of Lamina's shaders, and of the artist's groups `around` them, to what was there
+    before. Returns the names of the kept inputs that were used."""
     used = set()
-    for node in [tree.nodes[name] for name in own]:
+    for node in [*(tree.nodes[name] for name in own), *around]:
         if node.type in ("REROUTE", "FRAME"):
             continue
         for socket in node.outputs:
             name = VOLUME if socket.name == VOLUME else SURFACE
+            if node in around and (socket.type != "SHADER" or kept(tree, name) is None):
+                continue
             for link in list(socket.links):
                 fed, target = kept(tree, name), link.to_socket
                 if target.node.name in own and target.node.type != "OUTPUT_MATERIAL":

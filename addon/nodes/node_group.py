@@ -200,14 +200,24 @@ def group_nodes(material, group=None):
 
 def is_connected(material, group=None):
     """True if a node of `group`, by default that of the last bake, that is not muted is connected to the
-    output that Cycles renders, directly or not."""
+    output that Cycles renders, directly or not. It may be inside a group of the artist's."""
     is_on = material.node_tree is not None and node_tree.is_on(material)
     output = material.node_tree.get_output_node("CYCLES") if is_on else None
     if output is None:
         return False
     group = group or material.lamina.node_group
+    around = own_nodes.around(material, group)
     shown = (node for node in links.upstream(output) if node.type == "GROUP" and not node.mute)
-    return any(node.node_tree == group for node in shown)
+    return any(node.node_tree == group or node in around for node in shown)
+
+
+def unreachable(material):
+    """Why no source can be linked to the inputs of the group of the last bake, in a sentence, or ''."""
+    group = material.lamina.node_group
+    around = own_nodes.around(material, group) if group and not group_nodes(material) else []
+    if not around:
+        return ""
+    return f"The layers' node is inside your group “{around[0].node_tree.name}”: ungroup it first"
 
 
 def shows_lateral(material):
@@ -304,8 +314,10 @@ def _parse(layout):
 
 def _place(material):
     """Make and link a first node of `group` in the material's tree, in the place of the Principled BSDF that
-    the layers lie over; an existing node is unchanged. Returns True if there was none."""
-    if group_nodes(material) and material.node_tree.get_output_node("CYCLES") is not None:
+    the layers lie over; an existing node is unchanged, also inside a group of the artist's. Returns True if
+    there was none."""
+    is_there = bool(group_nodes(material)) or is_connected(material)
+    if is_there and material.node_tree.get_output_node("CYCLES") is not None:
         return False
     replaced = principled.find(material) if material.lamina.base.kind == PrincipledBase.kind else None
     node = connect(material)

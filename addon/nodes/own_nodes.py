@@ -19,10 +19,27 @@ def is_marked(node):
 
 def names_of(material):
     """The names of the nodes that Lamina has made: marked ones, and nodes with the material's groups."""
-    tree = material.node_tree
-    groups = [group for group in (material.lamina.node_group, material.lamina.lateral_group) if group]
+    tree, groups = material.node_tree, _groups(material)
     return {node.name for node in (tree.nodes if tree else ())
             if is_marked(node) or (node.type == "GROUP" and node.node_tree in groups)}
+
+
+def around(material, group=None):
+    """The nodes of the artist's groups that have this one of the material's groups inside, as after Make
+    Group; without a `group`, those that have any."""
+    nodes, own = material.node_tree.nodes if material.node_tree else (), _groups(material)
+    wanted = [group] if group else own
+    return [node for node in nodes
+            if node.type == "GROUP" and node.node_tree not in own and _holds(node.node_tree, wanted)]
+
+
+def _groups(material):
+    return [one for one in (material.lamina.node_group, material.lamina.lateral_group) if one]
+
+
+def _holds(tree, groups):
+    inside = [node.node_tree for node in tree.nodes if node.type == "GROUP"] if tree else []
+    return any(one in groups or _holds(one, groups) for one in inside)
 
 
 def unmark_all(tree):

@@ -17,7 +17,7 @@ from ..base import messages, native, preferences, rendered, unwrap
 from ..base.messages import RefusedError
 from ..base.worker import Worker, with_uid
 from ..editing import stack_io
-from ..nodes import thickness
+from ..nodes import node_group, thickness
 from ..properties import migration
 from ..settling import dust_job, live_dust, object_dust
 from . import dust_layers
@@ -220,6 +220,9 @@ def _bake_with_dust(material):
             raise RefusedError(problem)
         if dust_layers.has_dust(material) and bake_job.state(material) in ("fresh", "other"):
             return None
+        problem = node_group.unreachable(material)
+        if problem:
+            raise RefusedError(problem)
     trial = dust_layers.plain() if material is None else material.copy()
     try:
         dust_layers.cover(trial)

@@ -18,7 +18,7 @@ from ..base.messages import RefusedError
 from ..base.worker import with_uid
 from ..editing import layer_list, stack_io
 from ..kinds import media
-from ..nodes import detail_wiring, film_pattern, film_wiring, thickness
+from ..nodes import detail_wiring, film_pattern, film_wiring, node_group, thickness
 from ..nodes.group_sockets import COVERAGE
 from ..nodes.side_graph import FRONT
 from ..settling import dust_job, live_dust, object_dust, wiping
@@ -133,6 +133,9 @@ def gather(context, material, choice):
         if obj.type != "MESH":
             raise RefusedError(rendered.to_convert(obj))
         _check_mesh(obj, layer, place)
+        problem = node_group.unreachable(material)
+        if problem:
+            raise RefusedError(problem)
         if _needs_bake(material, layer, place):
             bakes[material.session_uid] = _bake(material, choice)
     if place == SETTLED:

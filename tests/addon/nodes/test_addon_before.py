@@ -131,3 +131,69 @@ def test_thickness_and_lateral_nodes_go_too(addon, lamina, add):
     addon.nodes.thickness.wire_thickness(material, "attribute")
     addon.editing.layer_list.remove_stack(material)
     assert everything(material) == before
+
+
+def put_into_own_group(material):
+    """Put the layers' node into a group of the artist's, as Make Group does. Returns the node of this group."""
+    tree, node = material.node_tree, surface_source(material)
+    group = bpy.data.node_groups.new("Mine", "ShaderNodeTree")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    group.interface.new_socket("Color", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Share", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    inside, given, end = (group.nodes.new(kind) for kind in ("ShaderNodeGroup", "NodeGroupInput", "NodeGroupOutput"))
+    inside.node_tree = node.node_tree
+    group.links.new(given.outputs[0], inside.inputs["Base Color"])
+    group.links.new(inside.outputs["Shader"], end.inputs[0])
+    around = tree.nodes.new("ShaderNodeGroup")
+    around.node_tree = group
+    tree.links.new(node.inputs["Base Color"].links[0].from_socket, around.inputs[0])
+    tree.links.new(around.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+    tree.nodes.remove(node)
+    return around
+
+
+def test_the_artists_group_around_the_layers_stays(addon, lamina, call):
+    material = make(addon, "texture")
+    tree, shader = material.node_tree, surface_source(material)
+    material.lamina.quality = "preview"
+    addon.editing.over_material.add(material)
+    addon.baking.bake_job.bake_material(material, "preview")
+    around, bent = put_into_own_group(material), tree.nodes.new("ShaderNodeMath")
+    tree.links.new(around.outputs["Share"], bent.inputs[0])
+    assert addon.nodes.node_group.is_connected(material)
+    group = material.lamina.node_group
+    addon.editing.layer_list.add_layer(material, "interface")
+    addon.baking.bake_job.bake_material(material, "preview")
+    assert surface_source(material) == around and material.lamina.node_group == group
+    assert not addon.nodes.node_group.group_nodes(material)
+    assert addon.baking.bake_job.state(material) in ("fresh", "other")
+    assert call(bpy.ops.lamina.connect, material) == {"FINISHED"}
+    assert surface_source(material).node_tree == group, "the artist wants a node of the layers here"
+    addon.editing.layer_list.remove_stack(material)
+    assert surface_source(material) == shader and tree.nodes[around.name] and bent.inputs[0].is_linked
+
+
+def test_remove_restores_what_was_below_the_artists_group(addon, lamina):
+    material = make(addon, "texture")
+    shader = surface_source(material)
+    addon.editing.over_material.add(material)
+    addon.baking.bake_job.bake_material(material, "preview")
+    around = put_into_own_group(material)
+    addon.editing.layer_list.remove_stack(material)
+    assert surface_source(material) == shader and not around.outputs["Shader"].is_linked
+
+
+def test_sources_refuse_layers_inside_the_artists_group(addon, lamina, call):
+    material = make(addon, "texture")
+    bpy.ops.mesh.primitive_plane_add()
+    plane = bpy.context.object
+    plane.data.materials.append(material)
+    addon.editing.over_material.add(material)
+    addon.baking.bake_job.bake_material(material, "preview")
+    put_into_own_group(material)
+    for name in ("SETTLED", "PAINTED", "IMAGE"):
+        with pytest.raises(RuntimeError, match="The layers' node is inside your group “Mine”: ungroup it first"):
+            call(bpy.ops.lamina.place, material, place=name)
+    done = addon.scene.dusting.dust(bpy.context, [plane])
+    assert "inside your group “Mine”" in str(done) and not done.bakes
+    assert not material.lamina.layers[0].varying and len(material.lamina.layers) == 1
