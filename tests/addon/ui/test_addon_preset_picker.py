@@ -113,7 +113,7 @@ def test_layers_are_shown_after_a_click(addon, lamina, material):
     addon.editing.presets.apply(material, "gold")
     material.lamina.quality = "preview"
     with bpy.context.temp_override(material=material):
-        assert addon.operators.common.show_layers(bpy.context) == {"FINISHED"}
+        assert addon.operators.common.show_layers(None, bpy.context) == {"FINISHED"}
     assert addon.baking.bake_job.state(material) == "fresh" and addon.nodes.node_group.is_connected(material)
 
 
