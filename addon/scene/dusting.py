@@ -303,7 +303,21 @@ def finish(gathered, found):
             done.append(obj)
         except Exception as error:
             notes.append(f"{task.name}: {messages.sentence(_expected(error))}")
+    notes += _hidden(done)
     return Done(done, len(luts), list(dict.fromkeys(notes)), gathered.shapes)
+
+
+def _hidden(done):
+    """Sentences on other objects whose dust is an image that a material of the objects `done` has ceased to
+    read."""
+    for material in {one for obj in done for one in dust_layers.materials_of(obj) if one is not None}:
+        now = thickness.wiring(material)
+        read = now.node.image if now.source == "image" else None
+        for other in dust_layers.users(material).difference(done) if object_dust.is_source(now) else ():
+            settings = other.lamina_dust
+            if settings.told and settings.target == "image" and settings.image != read:
+                yield (f"{other.name} no longer shows its dust, because it shares {material.name}: dust "
+                       "both together")
 
 
 def answered(tasks, answers):

@@ -354,3 +354,16 @@ def test_an_object_that_only_shares_the_material_keeps_no_rest_coordinates(dusti
     assert "lamina_rest" in scene[1].data.attributes and not scene[1].lamina_dust.told
     dusting.remove(scene)
     assert not any("lamina_rest" in obj.data.attributes for obj in scene)
+
+
+def test_a_duplicate_that_hides_the_dust_of_its_original_tells_so(dusting, scene):
+    original = scene[2]
+    original.modifiers.new("Subdivision", "SUBSURF").render_levels = 3
+    original.lamina_dust.size = 64
+    assert not dusting.dust(bpy.context, [original]).notes and original.lamina_dust.image
+    twin = original.copy()
+    twin.data = original.data.copy()
+    bpy.context.collection.objects.link(twin)
+    said = "C no longer shows its dust, because it shares Blue: dust both together"
+    assert dusting.dust(bpy.context, [twin]).notes == [said]
+    assert not dusting.dust(bpy.context, [original, twin]).notes
