@@ -227,7 +227,8 @@ class LAMINA_OT_match_colors(bpy.types.Operator):
             name, channel = match.groups()
             return fields[name].name + (f" ({CHANNELS[int(channel)]})" if channel else "")
 
-        return re.sub(r"\b(over_black|over_white|once|twice|over)\b(?:\[(\d)\])?", named, text)
+        names = r"over_black|over_white|once|twice|over(?=\[| = |, )"  # "over" is also a word of sentences
+        return re.sub(rf"\b({names})\b(?:\[(\d)\])?", named, text)
 
 
 class LAMINA_OT_metal(bpy.types.Operator):

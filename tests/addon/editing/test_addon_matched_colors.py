@@ -39,6 +39,15 @@ def test_what_cannot_be_matched_changes_nothing(addon, material, call):
     before = addon.editing.stack_io.to_dict(material)
     with pytest.raises(RuntimeError, match=r"^Error: Over Black \(red\) = 0.5: must be at most Over White, 0.4"):
         call(bpy.ops.lamina.match_colors, material, over_black=(0.5, 0.5, 0.5), over_white=(0.4, 0.5, 0.5))
+    words = r"^Error: Over Black \(red\) = 0: a layer that shows 0.8 over 0.8 shows at least [\d.e-]+ over black\.?\s*$"
+    with pytest.raises(RuntimeError, match=words):
+        call(bpy.ops.lamina.match_colors, material, over_black=(0.0, 0.1, 0.1), over_white=(0.8, 0.8, 0.8))
+    words = r"^Error: Several Coats \(red\) = 0.2: a coat that shows 0.9 over 1 shows at least"
+    with pytest.raises(RuntimeError, match=words):
+        call(bpy.ops.lamina.match_colors, material, known="COATS", once=(0.9, 0.9, 0.9), twice=(0.2, 0.9, 0.9),
+             over=(1.0, 1.0, 1.0), times=1.05)
+    with pytest.raises(RuntimeError, match="must lie beyond One Coat, 0.3, as seen from Surface, 0.1"):
+        call(bpy.ops.lamina.match_colors, material, known="COATS", once=(0.3,) * 3, twice=(0.2,) * 3, over=(0.1,) * 3)
     assert addon.editing.stack_io.to_dict(material) == before
     material.lamina.layers[0].graded = True
     assert not call(bpy.ops.lamina.match_colors.poll, material)
