@@ -52,7 +52,9 @@ def too_thin(obj, material, depsgraph, millimetre):
 
 def thin_part(evaluated):
     """The thickness that a twentieth of the surface does not reach, in Blender units; infinite for an open
-    mesh or without faces."""
+    mesh, without faces, and for curves and the like."""
+    if evaluated.type != "MESH":
+        return np.inf
     mesh, matrix = evaluated.data, evaluated.matrix_world.to_3x3()
     count = len(mesh.polygons)
     if not count:

@@ -114,3 +114,14 @@ def test_another_object_is_refused(addon, soft, call):
     bpy.context.view_layer.objects.active = bpy.context.scene.camera
     with pytest.raises(RuntimeError, match="select an object with"):
         call(bpy.ops.lamina.lateral, material)
+
+
+def test_a_curve_has_no_trial(addon, soft, call):
+    curve = bpy.data.curves.new("cord", "CURVE")
+    obj = bpy.data.objects.new("cord", curve)
+    bpy.context.scene.collection.objects.link(obj)
+    curve.materials.append(bpy.data.materials.new("Wax"))
+    bpy.context.view_layer.objects.active = obj
+    material = layered(addon, obj, medium(0.05))
+    assert call(bpy.ops.lamina.lateral, material) == {"FINISHED"}
+    assert material.lamina.trial.endswith("No trial: cord has no mesh of its own: convert it")
