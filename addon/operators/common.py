@@ -22,7 +22,9 @@ def material_of(context):
 def refused(operator, error):
     """Report an error in a sentence; returns what `execute` then returns."""
     text = messages.sentence(error)
-    operator.report({"ERROR"}, text[0].upper() + text[1:] if text.split(" ", 1)[0].isalpha() else text)
+    blocks = (*bpy.data.objects, *bpy.data.meshes, *bpy.data.materials)
+    is_word = text.split(" ", 1)[0].isalpha() and not any(text.startswith(one.name) for one in blocks)
+    operator.report({"ERROR"}, text[0].upper() + text[1:] if is_word else text)
     return {"CANCELLED"}
 
 

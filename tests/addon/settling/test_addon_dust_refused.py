@@ -108,3 +108,9 @@ def test_dust_of_a_linked_mesh_is_not_cleared(dust, addon, tmp_path):
     assert plate.is_editable and plate.lamina_dust.told
     with bpy.context.temp_override(object=plate):
         assert not bpy.ops.lamina.dust_clear.poll()
+
+
+def test_a_sentence_keeps_the_name_of_an_object(dust):
+    table = placed(bpy.data.meshes.new("table"), "table")
+    with bpy.context.temp_override(object=table), pytest.raises(RuntimeError, match="^Error: table has no faces"):
+        bpy.ops.lamina.dust_settle()
