@@ -16,8 +16,7 @@ using std::numbers::pi;
 /// The spectrum of a GGX lobe at k times its inverse width, from above: k K_1(k) < sqrt(1 + pi k / 2) exp(-k).
 double blurred(double k) { return std::sqrt(1.0 + 0.5 * pi * k) * std::exp(-k); }
 
-/// The largest light in 1/sr of a phase function of 1: thin media scatter in proportion to their
-/// thickness.
+/// The largest light in 1/sr of a phase function of 1: thin media scatter in proportion to their thickness.
 double brightest(const TruncatedMedium& medium) {
   constexpr double kLeast = 0.05;  // the tolerance holds for larger cosines
   return 0.25 / pi * medium.single_scattering_albedo() * std::min(medium.tau / (kLeast * kLeast), 0.5 / kLeast);
