@@ -43,10 +43,13 @@ class LAMINA_OT_dust_settle(Dusting, bpy.types.Operator):
 
     def execute(self, context):
         """Settle and wait for it: scripts, and everything under `blender -b`."""
+        objects = self._objects(context)
         try:
-            for obj in self._objects(context):
+            for obj in objects:
                 live_dust.leave(obj)
-                object_dust.settle(context, obj, threads=preferences.threads())
+            job = dust_job.DustJob(object_dust.gather_all(context, objects), preferences.threads())
+            job.wait()
+            job.finish()
         except Exception as error:
             return self.failed(error, context)
         return {"FINISHED"}

@@ -302,7 +302,7 @@ def finish(gathered, found):
             notes += object_dust.apply(obj, task, answer)
             done.append(obj)
         except Exception as error:
-            notes.append(f"{task.name}: {messages.sentence(_expected(error))}")
+            notes.append(_of(task, _expected(error)))
     notes += _hidden(done)
     return Done(done, len(luts), list(dict.fromkeys(notes)), gathered.shapes)
 
@@ -320,6 +320,12 @@ def _hidden(done):
                        "both together")
 
 
+def _of(task, error):
+    """The sentence of an error, which names the task's object."""
+    text = messages.sentence(error)
+    return text if text.startswith(f"{task.name} ") else f"{task.name}: {text}"
+
+
 def answered(tasks, answers):
     """([(object, Task, Answer)], [(object, sentence on why it gets no dust)]). Raises RefusedError if none
     gets dust."""
@@ -329,7 +335,7 @@ def answered(tasks, answers):
         if obj is None:
             continue
         if isinstance(answer, Exception):
-            failed.append((obj, f"{task.name}: {messages.sentence(answer)}"))
+            failed.append((obj, _of(task, answer)))
             continue
         try:
             object_dust.check_mesh(obj, task)

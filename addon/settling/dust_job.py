@@ -40,13 +40,13 @@ class DustJob(Worker):
         if self.cancelling:
             return []
         by_uid = {obj.session_uid: obj for obj in bpy.data.objects}
-        done = []
-        for task, answer in zip(self.tasks, self.result, strict=True):
-            obj = by_uid.get(task.uid)
-            if obj is not None:
-                object_dust.apply(obj, task, answer)
-                done.append(obj)
-        return done
+        found = [(by_uid[task.uid], task, answer)
+                 for task, answer in zip(self.tasks, self.result, strict=True) if task.uid in by_uid]
+        for obj, task, _ in found:
+            object_dust.check_mesh(obj, task)
+        for obj, task, answer in found:
+            object_dust.apply(obj, task, answer)
+        return [obj for obj, *_ in found]
 
 
 def portion(progress, number, tasks):

@@ -83,3 +83,20 @@ def test_a_mesh_that_is_being_edited_at_the_end_is_left_alone(dust, addon):
         finish(addon).finish()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert NAME not in plate.data.attributes and plate.lamina_dust.told == ""
+
+
+@pytest.mark.parametrize("way", ["operator", "job"])
+def test_all_selected_or_none(dust, addon, way):
+    """One refused object leaves the others as they were: a cancelled operator makes no undo step."""
+    one, other = grid("One"), grid("Other", z=-1.0)
+    if way == "job":
+        addon.settling.dust_job.start(bpy.context, [one, other])
+        other.data.vertices.add(1)
+        with pytest.raises(addon.base.messages.RefusedError, match="Other has been edited"):
+            finish(addon).finish()
+    else:
+        other.data.attributes.new(NAME, "FLOAT_COLOR", "POINT")
+        chosen = {"object": one, "selected_objects": [one, other]}
+        with bpy.context.temp_override(**chosen), pytest.raises(RuntimeError, match="another kind of attribute"):
+            bpy.ops.lamina.dust_settle(selected=True)
+    assert NAME not in one.data.attributes and one.lamina_dust.told == ""

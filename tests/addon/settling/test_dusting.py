@@ -367,3 +367,9 @@ def test_a_duplicate_that_hides_the_dust_of_its_original_tells_so(dusting, scene
     said = "C no longer shows its dust, because it shares Blue: dust both together"
     assert dusting.dust(bpy.context, [twin]).notes == [said]
     assert not dusting.dust(bpy.context, [original, twin]).notes
+
+
+def test_a_refusal_names_the_object_once(addon, dusting, scene):
+    scene[0].scale = (0.0, 0.0, 0.0)
+    with pytest.raises(addon.base.messages.RefusedError, match="^A is 0 m large"):
+        dusting.dust(bpy.context, scene[:1])
