@@ -191,7 +191,8 @@ class LAMINA_OT_film_paint(bpy.types.Operator):
     def poll(cls, context):
         if not common.has_thickness(cls, context, COVERAGE) or not _has_mesh(cls, context):
             return False
-        if thickness.wiring(common.material_of(context), COVERAGE).source != "image":
+        wiring = thickness.wiring(common.material_of(context), COVERAGE)
+        if wiring.source != "image" or wiring.node.image is None:
             cls.poll_message_set("The coverage is not an image: choose Painted first")
             return False
         return True

@@ -249,7 +249,7 @@ def _put_film(obj, layer, place, before):
             return _SAME
         film_wiring.put(material, place)
         return "Choose the amount and the size in the panel"
-    if of(material, layer) != PAINTED:
+    if of(material, layer) != PAINTED or thickness.wiring(material, COVERAGE).node.image is None:
         uv_map = _uv_map(obj)
         image = _kept(layer) or ""
         thickness.wire_thickness(material, "image", image, uv_map, replace=True, to=COVERAGE)

@@ -358,3 +358,13 @@ def test_a_hidden_object_is_not_painted(addon, place, plate, material, call):
             call(bpy.ops.lamina.dust_wipe, material)
         assert addon.nodes.detail_wiring.mask(material) is None
         assert call(bpy.ops.lamina.dust_wipe, material, paint=False) == {"FINISHED"}
+
+
+def test_a_film_whose_image_was_deleted_gets_another(addon, place, plate, material, call):
+    addon.editing.layer_list.add_layer(material, "interface")
+    choose(plate, call, "PAINTED")
+    bpy.data.images.remove(addon.nodes.thickness.wiring(material, "Coverage").node.image)
+    assert not call(bpy.ops.lamina.film_paint.poll, material)
+    choose(plate, call, "PAINTED")
+    assert addon.nodes.thickness.wiring(material, "Coverage").node.image is not None
+    assert call(bpy.ops.lamina.film_paint.poll, material)
