@@ -34,9 +34,9 @@ bool is_noise(const PhaseFunction& phase, int first) {
   return squares > 0.0 && products < 0.5 * squares;
 }
 
-/// The number of nodes that resolve light scattered twice, whose moments are the squares, at all angles. The moments of
-/// noise and of weak peaks decay slowly, but light scattered twice hardly has them. Quadrature with n nodes is exact
-/// for products of moments up to n.
+/// The number of nodes that resolve light scattered twice, at all angles. The moments of this light are the squares of
+/// those of the phase function, so the small moments of noise hardly count. Quadrature with n nodes is exact for
+/// products of two moments up to n.
 int nodes_for_twice(const PhaseFunction& phase, double albedo, double tolerance) {
   constexpr double kShare = 0.5;   // of the tolerance
   constexpr double kFaint = 0.02;  // smaller values may have the error of this one

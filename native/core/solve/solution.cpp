@@ -132,7 +132,7 @@ Resolution Solution::finer() const {
   return finer;
 }
 
-/// The number of ranges that divide the nodes for the stack, with a medium of this thickness.
+/// The number of ranges of nodes in a new solve of the stack, one of whose media has the thickness `tau`.
 std::size_t Solution::ranges_for(double tau) const {
   Resolution resolution = resolution_;
   resolution.thinnest = std::max(kLeastDivision, std::min(resolution.thinnest, tau));
@@ -159,7 +159,7 @@ Solution Solution::with_thickness(std::size_t layer, double tau, ThreadPool& poo
                         before <= thickest_unresolved(resolution_.tolerance));
     }
   }
-  // Errors of the grazing light of a thin medium add up from lobe to lobe, measured: up to 27 % without these nodes.
+  // A thin medium needs ranges of grazing nodes. Without them, errors add up from lobe to lobe: up to 27 %, measured.
   const bool has_chains = is_rough() && reflectors(stack()) > 1;
   const bool resolved = !grown && !(has_chains && set_->ranges().size() < other.ranges_for(tau));
   if (!resolved && std::isfinite(resolution_.tolerance)) {

@@ -143,7 +143,8 @@ SolveChecks check_layer(const HomogeneousModes::Layer& layer, const MultipleScat
   double smallest =
       std::min(least_entry(multiple.reflect, directions, set), least_entry(multiple.transmit, directions, set));
   if (smallest < 0.0 && !medium.flakes) {
-    // Multiple scattering is a small difference, divided by small scales and by the shape of single scattering.
+    // Allow for rounding: `multiple` is a difference of nearly equal numbers, divided by the scales, which are small at
+    // grazing and critical angles, and by the shape of single scattering, which is small in thin layers.
     constexpr double kRounding = 1e-14;
     const LayerShapes shapes(directions, medium);
     const auto raised = [&](const Eigen::MatrixXd& values, const Eigen::MatrixXd& shape) -> Eigen::MatrixXd {

@@ -20,8 +20,8 @@ constexpr double kWidestLobe = 0.2;  // alpha
 // long paths of light that smooth boundaries hold would have weights without a bound. For such light in a sheet, .98
 // has two fifths of the noise of .9.
 constexpr double kMostOn = 0.98;
-// Largest Exit::later, a sum of densities: beyond it, the share of a path in the balance heuristic is below 1e-100. The
-// compensation of the energy that facets lose sends light where the density of the facets themselves is that small.
+// Largest Exit::later. Paths with a larger one have weights below 1e-100 in the balance heuristic. Such paths exist:
+// the compensation for the energy that facets lose samples directions in which the facets' own density may be 1e-240.
 constexpr double kMostLater = 1e100;
 
 StackWalk::StackWalk(WalkElements stack, const WalkTarget& target) : stack_(std::move(stack)), target_(target) {
