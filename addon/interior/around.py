@@ -10,6 +10,7 @@ from mathutils import Matrix
 
 from ..base import linking, mesh_arrays, native, rendered
 from ..base.messages import RefusedError
+from ..base.slots import materials_of
 from ..nodes import links as node_links
 from ..nodes import other_materials, principled
 from . import lamps
@@ -111,7 +112,7 @@ def mark(objects, obj, with_names=False):
 def looks(objects, obj):
     """(a text that changes when materials of other objects reflect or emit other light, whether one emits);
     cheap."""
-    every = [_materials(one) for one in _marked(objects, obj)]
+    every = [materials_of(one) for one in _marked(objects, obj)]
     known = {one: (albedo_of(one), emission_of(one)) for materials in every for one in materials}
     found = [[f"{value:.3g}" for one in materials for part in known[one] for value in part]
              for materials in every]
@@ -140,15 +141,11 @@ def _shape(obj):
         slots = other_materials.of_slots(mesh.loop_triangles, obj)
     finally:
         obj.to_mesh_clear()
-    materials = _materials(obj)
+    materials = materials_of(obj)
     opaque = np.array([not other_materials.passes(one) for one in materials])
     kept = opaque[slots]
     looks = np.array([(albedo_of(one), emission_of(one)) for one in materials])
     return vertices, triangles[kept].astype(np.int64), looks[slots[kept]]
-
-
-def _materials(obj):
-    return [slot.material for slot in obj.material_slots] or [None]
 
 
 def albedo_of(material):

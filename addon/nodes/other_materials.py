@@ -4,6 +4,7 @@ passes the interior's own faces."""
 
 import numpy as np
 
+from ..base.slots import materials_of
 from . import links, node_tree, principled
 
 OPEN_TO_LAMPS = (
@@ -33,7 +34,7 @@ def of_slots(faces, obj):
 def opaque_faces(numbers, obj, material):
     """((m,) bool, sentences): which faces, with the slots `numbers`, have an opaque material other than
     `material`, and what is said about the faces of other materials."""
-    slots = _materials(obj, material)
+    slots = materials_of(obj, material)
     used = {slots[number] for number in np.unique(numbers)} - {material}
     passing = {one for one in used if passes(one)}
     opaque = np.array([one != material and one not in passing for one in slots])[numbers]
@@ -47,7 +48,7 @@ def opaque_faces(numbers, obj, material):
 
 def counts(obj, material):
     """The numbers of faces of an object's mesh that have the material, another one, and an opaque one."""
-    mesh, slots = obj.data, _materials(obj, material)
+    mesh, slots = obj.data, materials_of(obj, material)
     indices = mesh.attributes.get("material_index")  # absent if all are 0; read much faster than faces
     numbers = np.zeros(len(mesh.polygons), np.int32)
     if indices is not None and len(indices.data) == len(numbers):
@@ -58,10 +59,6 @@ def counts(obj, material):
         if count:
             found[0 if one == material else 1 if passes(one) else 2] += count
     return found
-
-
-def _materials(obj, material):
-    return [slot.material for slot in obj.material_slots] or [material]
 
 
 def _in_range(numbers, obj):

@@ -6,6 +6,7 @@ import bpy
 
 from ..baking import bake_job
 from ..base import editable, messages
+from ..base.slots import materials_of
 from ..editing import layer_list, over_material
 from ..nodes import detail_wiring, node_tree, rest_coordinates, thickness
 from ..settling import live_dust, object_dust
@@ -56,11 +57,6 @@ def plain():
     material = bpy.data.materials.new("Material")
     node_tree.of(material)
     return material
-
-
-def materials_of(obj):
-    """The materials of an object's slots; None for faces without one."""
-    return [slot.material for slot in obj.material_slots] or [None]
 
 
 def users(material):

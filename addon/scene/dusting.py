@@ -15,6 +15,7 @@ import bpy
 from ..baking import bake_job, update
 from ..base import messages, native, preferences, rendered, unwrap
 from ..base.messages import RefusedError
+from ..base.slots import materials_of
 from ..base.worker import Worker, with_uid
 from ..editing import stack_io
 from ..nodes import node_group, thickness
@@ -121,7 +122,7 @@ def gather(context, objects):
             live_dust.leave(obj)
             storage.append(choose_storage(context, obj, dusty))
         bakes = _bakes(dusty, notes)
-        even = {one.session_uid: found for obj in dusty for one in dust_layers.materials_of(obj)
+        even = {one.session_uid: found for obj in dusty for one in materials_of(obj)
                 if (found := dust_layers.evenness(one))}
         return Gathered(object_dust.gather_all(context, dusty), bakes, list(dict.fromkeys(notes)),
                         [obj.name for obj in shapes], even=even, storage=storage)
@@ -131,7 +132,7 @@ def _bakes(dusty, notes):
     """The bakes of Gathered; `notes` gets sentences."""
     bakes = {}
     for obj in dusty:
-        for material in dust_layers.materials_of(obj):
+        for material in materials_of(obj):
             uid = _uid(material)
             if uid in bakes:
                 continue
@@ -177,10 +178,10 @@ def choose_storage(context, obj, objects=()):
     target, UV map, True if it had the map of `unwrap`)."""
     settings = obj.lamina_dust
     before = obj.session_uid, settings.target, settings.uv_map, unwrap.NAME in obj.data.uv_layers
-    materials = dust_layers.materials_of(obj)
+    materials = materials_of(obj)
     sharing = {one for material in materials if material is not None for one in dust_layers.users(material)}
     if None in materials:
-        sharing |= {one for one in objects if None in dust_layers.materials_of(one)}
+        sharing |= {one for one in objects if None in materials_of(one)}
     sharing.discard(obj)
     if any(one.lamina_dust.told or one in objects for one in sharing):
         settings.target = "attribute"
@@ -272,8 +273,8 @@ def finish(gathered, found):
     luts, answers = found
     notes, new = list(gathered.notes), None
     settled, failed = answered(gathered.tasks, answers)
-    dusty = {_uid(one) for obj, *_ in settled for one in dust_layers.materials_of(obj)}
-    bare = {_uid(one) for obj, _ in failed for one in dust_layers.materials_of(obj)} - dusty
+    dusty = {_uid(one) for obj, *_ in settled for one in materials_of(obj)}
+    bare = {_uid(one) for obj, _ in failed for one in materials_of(obj)} - dusty
     for uid, bake in gathered.bakes.items():
         if uid in bare:  # a layer without its dust is as thick everywhere as it can be
             continue
@@ -310,7 +311,7 @@ def finish(gathered, found):
 def _hidden(done):
     """Sentences on other objects whose dust is an image that a material of the objects `done` has ceased to
     read."""
-    for material in {one for obj in done for one in dust_layers.materials_of(obj) if one is not None}:
+    for material in {one for obj in done for one in materials_of(obj) if one is not None}:
         now = thickness.wiring(material)
         read = now.node.image if now.source == "image" else None
         for other in dust_layers.users(material).difference(done) if object_dust.is_source(now) else ():
@@ -350,7 +351,7 @@ def answered(tasks, answers):
 
 def _fill_slots(obj, new):
     """Give faces without a material the new one."""
-    if new is None or None not in dust_layers.materials_of(obj):
+    if new is None or None not in materials_of(obj):
         return
     if obj.data.users > 1:  # other objects with the mesh stay as they are
         obj.data = obj.data.copy()
